@@ -1,0 +1,35 @@
+//! Completes range scans: where the scanner saw nothing, the smooth shape, the *relief* and the
+//! *colour* are restored, so that the completed part passes as original.
+//!
+//! The data walks through the rooms of this crate in this order; a room imports only from rooms
+//! above it.
+//!
+//! | room | in → out | source |
+//! |---|---|---|
+//! | [`rng`] | seed → Mersenne twister, the only door to randomness | Matsumoto & Nishimura 1998 |
+//! | [`mesh`] | triangle mesh, adjacency, boundary loops, normals, invariant check | |
+//! | [`scan`] | file → [`scan::Scan`] (vertices, faces, every channel) and back | PLY, OBJ, OFF, STL |
+//! | [`base`] | mesh → base surface, [`base::FitReport`] | [`bibliography#breckon--fisher-2005`] §3 |
+//! | [`relief`] | mesh + base → heights, corrected normals; and heights + base → points | §3, Fig. 5 |
+//! | [`sampling`] | hole + base → target vertices, stitched triangulation; 1-to-4 subdivision | §4 |
+//! | [`neighborhood`] | vertex → neighbors within a window, in its tangent frame, with weights | §3 |
+//! | [`matching`] | neighborhood + samples → best matches over all rotations | §3 |
+//! | [`completion`] | scan → completed scan, grown from the front inwards | Appendix A |
+//! | [`stats`] | completed scan → original against completed part in figures | Table 1, Fig. 13 |
+//! | [`synth`] | parameters → synthetic scans with known truth | Fig. 8–12 |
+//!
+//! Units: lengths are absolute, in the scan's own (unknown) unit, `f64`; angles are radians;
+//! colours are intensities from 0 to 1.
+
+pub mod bibliography;
+pub mod rng;
+pub mod mesh;
+pub mod scan;
+pub mod base;
+// pub mod relief;
+// pub mod sampling;
+// pub mod neighborhood;
+// pub mod matching;
+// pub mod completion;
+// pub mod stats;
+// pub mod synth;

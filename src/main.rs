@@ -1,0 +1,2 @@
+//! The command line of relievo.
+fn main() {}

@@ -1,0 +1,89 @@
+//! Areas, lengths and normals.
+
+use std::collections::BTreeSet;
+
+use nalgebra::{Point3, Vector3};
+
+use super::TriMesh;
+
+/// Area of a triangle.
+#[must_use]
+pub fn triangle_area([a, b, c]: [Point3<f64>; 3]) -> f64 {
+    0.5 * (b - a).cross(&(c - a)).norm()
+}
+
+/// Normal of a triangle, of length twice its area (zero for a degenerate one).
+#[must_use]
+pub fn triangle_normal([a, b, c]: [Point3<f64>; 3]) -> Vector3<f64> {
+    (b - a).cross(&(c - a))
+}
+
+/// For each vertex, a third of the area of its triangles.
+#[must_use]
+pub fn vertex_areas(mesh: &TriMesh) -> Vec<f64> {
+    let mut areas = vec![0.0; mesh.positions.len()];
+    for (f, triangle) in mesh.triangles.iter().enumerate() {
+        let third = triangle_area(mesh.corners(f)) / 3.0;
+        for &v in triangle {
+            areas[v as usize] += third;
+        }
+    }
+    areas
+}
+
+/// Unit normals, weighted by triangle area; zero where no triangle (or only degenerate ones) meet.
+#[must_use]
+pub fn vertex_normals(mesh: &TriMesh) -> Vec<Vector3<f64>> {
+    let mut normals = vec![Vector3::zeros(); mesh.positions.len()];
+    for (f, triangle) in mesh.triangles.iter().enumerate() {
+        let normal = triangle_normal(mesh.corners(f));
+        for &v in triangle {
+            normals[v as usize] += normal;
+        }
+    }
+    for normal in &mut normals {
+        *normal = normal.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
+    }
+    normals
+}
+
+/// The undirected edges, each once as (lower, higher) index, ascending.
+fn edges(mesh: &TriMesh) -> Vec<[u32; 2]> {
+    let mut edges: Vec<[u32; 2]> = mesh
+        .triangles
+        .iter()
+        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
+        .map(|[a, b]| [a.min(b), a.max(b)])
+        .collect();
+    edges.sort_unstable();
+    edges.dedup();
+    edges
+}
+
+/// Length of every undirected edge, ascending by vertex pair.
+#[must_use]
+pub fn edge_lengths(mesh: &TriMesh) -> Vec<f64> {
+    edges(mesh)
+        .into_iter()
+        .map(|[a, b]| (mesh.positions[a as usize] - mesh.positions[b as usize]).norm())
+        .collect()
+}
+
+/// Euler characteristic V − E + F, of the vertices that a triangle uses.
+#[must_use]
+pub fn euler_characteristic(mesh: &TriMesh) -> i64 {
+    let used: BTreeSet<u32> = mesh.triangles.iter().flatten().copied().collect();
+    let signed = |n: usize| i64::try_from(n).unwrap_or(i64::MAX);
+    signed(used.len()) - signed(edges(mesh).len()) + signed(mesh.triangles.len())
+}
+
+/// Length of the diagonal of the axis-aligned bounding box of `points`; 0 for none.
+#[must_use]
+pub fn bounding_diagonal<'a>(points: impl IntoIterator<Item = &'a Point3<f64>>) -> f64 {
+    let mut points = points.into_iter();
+    let Some(first) = points.next() else {
+        return 0.0;
+    };
+    let (low, high) = points.fold((*first, *first), |(low, high), p| (low.inf(p), high.sup(p)));
+    (high - low).norm()
+}

@@ -1,0 +1,65 @@
+//! Shared ground: a triangle mesh, its adjacency, boundary loops, normals, components and the
+//! check of its invariants.
+//!
+//! A mesh may be dirty (open, non-manifold, inconsistently oriented): everything here copes with
+//! that and says what it met; nothing here repairs.
+
+mod adjacency;
+// mod boundary;
+mod check;
+mod geometry;
+
+pub use adjacency::{Adjacency, Csr};
+// pub use boundary::{BoundaryLoop, LoopKind, boundary_loops};
+pub use check::{MeshDefect, check};
+pub use geometry::{
+    bounding_diagonal, edge_lengths, euler_characteristic, triangle_area, triangle_normal,
+    vertex_areas, vertex_normals,
+};
+
+use nalgebra::Point3;
+
+/// A triangle mesh: positions (#V by 3, in the scan's unit) and triangles (#F by 3, indices of
+/// vertices, counterclockwise as seen from outside).
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct TriMesh {
+    /// #V points.
+    pub positions: Vec<Point3<f64>>,
+    /// #F triples of vertex indices.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl TriMesh {
+    /// The corners of triangle `f`.
+    #[must_use]
+    pub fn corners(&self, f: usize) -> [Point3<f64>; 3] {
+        self.triangles[f].map(|v| self.positions[v as usize])
+    }
+
+    /// Centroid of all positions that a triangle uses; the origin if there is none.
+    #[must_use]
+    pub fn centroid(&self) -> Point3<f64> {
+        let used = self.used_vertices();
+        let mut sum = nalgebra::Vector3::zeros();
+        let mut count = 0.0;
+        for (p, _) in self.positions.iter().zip(&used).filter(|(_, used)| **used) {
+            sum += p.coords;
+            count += 1.0;
+        }
+        if count == 0.0 {
+            Point3::origin()
+        } else {
+            Point3::from(sum / count)
+        }
+    }
+
+    /// For each vertex, whether a triangle uses it.
+    #[must_use]
+    pub fn used_vertices(&self) -> Vec<bool> {
+        let mut used = vec![false; self.positions.len()];
+        for v in self.triangles.iter().flatten() {
+            used[*v as usize] = true;
+        }
+        used
+    }
+}
