@@ -3,6 +3,10 @@
 //! Every surface answers the same question, "where is the foot point of this point, which way is
 //! out, and how high above is it": see [`BaseSurface::foot`].
 
+mod chart;
 mod surface;
 
-pub use surface::{BaseKind, BaseSurface, Cone, Cylinder, Foot, Plane, Sphere};
+pub use chart::Chart;
+pub use surface::{
+    BaseKind, BaseSurface, Cone, Cylinder, Foot, Plane, Sphere, perpendicular_frame,
+};

@@ -187,10 +187,18 @@ fn direction_and_length(v: Vector3<f64>, fallback: Vector3<f64>) -> (Vector3<f64
 
 /// A unit vector perpendicular to `axis`: the coordinate axis along which it is smallest, crossed
 /// with it.
-pub(crate) fn any_perpendicular(axis: &Unit<Vector3<f64>>) -> Vector3<f64> {
+pub(super) fn any_perpendicular(axis: &Unit<Vector3<f64>>) -> Vector3<f64> {
     let mut smallest = Vector3::zeros();
     smallest[axis.iamin()] = 1.0;
     axis.cross(&smallest).normalize()
+}
+
+/// Two unit vectors that make a right-handed frame with `axis` as the third, always the same for
+/// the same axis.
+#[must_use]
+pub fn perpendicular_frame(axis: &Unit<Vector3<f64>>) -> [Vector3<f64>; 2] {
+    let first = any_perpendicular(axis);
+    [first, axis.cross(&first)]
 }
 
 #[cfg(test)]

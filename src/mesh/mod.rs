@@ -5,17 +5,19 @@
 //! that and says what it met; nothing here repairs.
 
 mod adjacency;
-// mod boundary;
+mod boundary;
 mod check;
 mod geometry;
+mod nearest;
 
 pub use adjacency::{Adjacency, Csr};
-// pub use boundary::{BoundaryLoop, LoopKind, boundary_loops};
+pub use boundary::{BoundaryLoop, LoopKind, boundary_loops, vector_area};
 pub use check::{MeshDefect, check};
 pub use geometry::{
     bounding_diagonal, edge_lengths, euler_characteristic, triangle_area, triangle_normal,
     vertex_areas, vertex_normals,
 };
+pub use nearest::{Nearest, PointTree};
 
 use nalgebra::Point3;
 

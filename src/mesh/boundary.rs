@@ -1,0 +1,360 @@
+//! Boundary loops, and whether each bounds a hole or is an outer rim.
+
+use nalgebra::{Point3, Vector3};
+use serde::Serialize;
+
+use super::{Adjacency, TriMesh};
+
+/// What is beyond a boundary loop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LoopKind {
+    /// A gap in the surface.
+    Hole,
+    /// The end of the surface.
+    Rim,
+}
+
+/// A closed walk along edges that have one triangle only, the hole on its left.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BoundaryLoop {
+    /// Number of the loop: 0 is the longest.
+    pub id: usize,
+    /// Its vertices in walking order, the first not repeated; the hole is on the left as seen from
+    /// outside.
+    #[serde(skip)]
+    pub vertices: Vec<u32>,
+    /// Length, in the scan's unit.
+    pub length: f64,
+    /// Estimated area of what it encloses (the length of its vector area), in square units.
+    pub area: f64,
+    /// Hole or outer rim, see [`boundary_loops`].
+    pub kind: LoopKind,
+    /// Total geodesic curvature in radians, walked with the surface on the left: −2π around a hole
+    /// in a flat surface, 2π along the outer rim of a flat piece, 0 at the end of a tube.
+    pub turning: f64,
+    /// Connected component of the mesh that it bounds.
+    pub component: u32,
+    /// An edge on the way where three or more triangles meet, or where two are oriented against
+    /// each other: such a loop cannot be filled as it is.
+    pub defect: Option<[u32; 2]>,
+}
+
+/// Total geodesic curvature above which a loop is an outer rim. On a plane holes have −2π and rims
+/// 2π; on a sphere a hole that takes a quarter of it has −π, so what is larger counts as the end of
+/// what the scanner saw, not as a hole in it. By Gauss–Bonnet the figure depends on the loop and
+/// the curvature beside it, not on how ragged the loop is.
+const RIM_TURNING: f64 = -std::f64::consts::PI;
+
+/// Rounds of umbrella smoothing before angles are summed, so that rough relief and depth noise at
+/// the rim do not pass for curvature.
+const SMOOTHING_ROUNDS: usize = 5;
+
+/// All boundary loops, longest first.
+///
+/// At a vertex where several fans of triangles meet in a point, each fan is walked by itself, so
+/// loops that touch there stay apart.
+#[must_use]
+pub fn boundary_loops(mesh: &TriMesh, adjacency: &Adjacency) -> Vec<BoundaryLoop> {
+    let walker = Walker { mesh, adjacency };
+    let (components, _) = adjacency.components();
+    let smooth = smoothed_positions(mesh, adjacency);
+    let mut seen = std::collections::HashSet::new();
+    let mut loops = Vec::new();
+    for (f, &[a, b, c]) in mesh.triangles.iter().enumerate() {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            if walker.triangles_at(from, to).count() == 1 && !seen.contains(&(f, from)) {
+                let walk = walker.walk(f, from, to, &smooth, &mut seen);
+                loops.push(walk.into_loop(mesh, components[from as usize]));
+            }
+        }
+    }
+    loops.sort_by(|x, y| (y.length.total_cmp(&x.length)).then_with(|| x.vertices.cmp(&y.vertices)));
+    for (id, boundary) in loops.iter_mut().enumerate() {
+        boundary.id = id;
+    }
+    loops
+}
+
+struct Walker<'a> {
+    mesh: &'a TriMesh,
+    adjacency: &'a Adjacency,
+}
+
+/// What a walk met, the surface on its left.
+struct Walk {
+    vertices: Vec<u32>,
+    turning: f64,
+    defect: Option<[u32; 2]>,
+}
+
+impl Walker<'_> {
+    /// Triangles that hold both vertices.
+    fn triangles_at(&self, a: u32, b: u32) -> impl Iterator<Item = usize> {
+        self.adjacency
+            .triangles
+            .row(a as usize)
+            .iter()
+            .map(|f| *f as usize)
+            .filter(move |f| self.mesh.triangles[*f].contains(&b))
+    }
+
+    /// Walks from the boundary half-edge `from → to` of triangle `f` until it comes back.
+    fn walk(
+        &self,
+        f: usize,
+        from: u32,
+        to: u32,
+        positions: &[Point3<f64>],
+        seen: &mut std::collections::HashSet<(usize, u32)>,
+    ) -> Walk {
+        let mut walk = Walk {
+            vertices: Vec::new(),
+            turning: 0.0,
+            defect: None,
+        };
+        let (mut face, mut tail, mut head) = (f, from, to);
+        while seen.insert((face, tail)) {
+            walk.vertices.push(tail);
+            if !self.runs_along(face, tail, head) {
+                walk.defect.get_or_insert([tail, head]);
+            }
+            // Turn around `head` through its fan until the next edge with one triangle.
+            let mut angle = 0.0;
+            let mut spoke = tail;
+            for _ in 0..self.adjacency.triangles.row(head as usize).len() {
+                let next = third(self.mesh.triangles[face], spoke, head);
+                angle += corner_angle(positions, head, spoke, next);
+                spoke = next;
+                let mut others = self.triangles_at(head, spoke).filter(|g| *g != face);
+                match (others.next(), others.next()) {
+                    (None, _) => break,
+                    (Some(g), None) => face = g,
+                    (Some(g), Some(_)) => {
+                        walk.defect.get_or_insert([head, spoke]);
+                        face = g;
+                    }
+                }
+            }
+            walk.turning += std::f64::consts::PI - angle;
+            (tail, head) = (head, spoke);
+        }
+        walk
+    }
+
+    /// Whether triangle `f` has the half-edge `a → b` in this direction.
+    fn runs_along(&self, f: usize, a: u32, b: u32) -> bool {
+        let [x, y, z] = self.mesh.triangles[f];
+        [(x, y), (y, z), (z, x)].contains(&(a, b))
+    }
+}
+
+impl Walk {
+    fn into_loop(self, mesh: &TriMesh, component: u32) -> BoundaryLoop {
+        let mut vertices = self.vertices;
+        vertices.reverse();
+        // Start at the lowest vertex, so that the order of the triangles does not show.
+        let start = (0..vertices.len())
+            .min_by_key(|i| vertices[*i])
+            .unwrap_or(0);
+        vertices.rotate_left(start);
+        let points: Vec<_> = vertices
+            .iter()
+            .map(|v| mesh.positions[*v as usize])
+            .collect();
+        let length = (0..points.len())
+            .map(|i| (points[(i + 1) % points.len()] - points[i]).norm())
+            .sum();
+        BoundaryLoop {
+            id: 0,
+            length,
+            area: vector_area(&points).norm(),
+            kind: if self.turning > RIM_TURNING {
+                LoopKind::Rim
+            } else {
+                LoopKind::Hole
+            },
+            turning: self.turning,
+            component,
+            defect: self.defect,
+            vertices,
+        }
+    }
+}
+
+/// Vector area of a closed polygon: for a plane polygon its area times the normal of the side from
+/// which it runs counterclockwise.
+#[must_use]
+pub fn vector_area(polygon: &[Point3<f64>]) -> Vector3<f64> {
+    let Some(first) = polygon.first() else {
+        return Vector3::zeros();
+    };
+    let mut sum = Vector3::zeros();
+    for pair in polygon.windows(2) {
+        sum += (pair[0] - first).cross(&(pair[1] - first));
+    }
+    sum * 0.5
+}
+
+/// The corner of a triangle that is neither `a` nor `b`.
+fn third(triangle: [u32; 3], a: u32, b: u32) -> u32 {
+    triangle
+        .into_iter()
+        .find(|v| *v != a && *v != b)
+        .unwrap_or(a)
+}
+
+fn corner_angle(positions: &[Point3<f64>], at: u32, b: u32, c: u32) -> f64 {
+    let at = positions[at as usize];
+    let (b, c) = (positions[b as usize] - at, positions[c as usize] - at);
+    b.angle(&c)
+}
+
+/// Umbrella smoothing; boundary vertices move along the boundary only.
+fn smoothed_positions(mesh: &TriMesh, adjacency: &Adjacency) -> Vec<Point3<f64>> {
+    let walker = Walker { mesh, adjacency };
+    let vertices = mesh.positions.len();
+    let averaged: Vec<Vec<u32>> = (0u32..)
+        .take(vertices)
+        .map(|v| {
+            let neighbors = adjacency.neighbors.row(v as usize);
+            let along: Vec<u32> = (neighbors.iter().copied())
+                .filter(|n| walker.triangles_at(v, *n).count() == 1)
+                .collect();
+            if along.is_empty() {
+                neighbors.to_vec()
+            } else {
+                along
+            }
+        })
+        .collect();
+    let mut positions = mesh.positions.clone();
+    for _ in 0..SMOOTHING_ROUNDS {
+        positions = (averaged.iter().enumerate())
+            .map(|(v, neighbors)| {
+                if neighbors.is_empty() {
+                    return positions[v];
+                }
+                let sum: Vector3<f64> = (neighbors.iter())
+                    .map(|n| positions[*n as usize].coords)
+                    .sum();
+                nalgebra::center(&positions[v], &Point3::from(sum / neighbors.len() as f64))
+            })
+            .collect();
+    }
+    positions
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+    use std::f64::consts::TAU;
+
+    /// A flat n × n grid of squares of side 1 without the squares of `holes`.
+    fn grid(n: u32, holes: &[[u32; 2]]) -> TriMesh {
+        let id = |i: u32, j: u32| i * (n + 1) + j;
+        let positions = (0..=n)
+            .flat_map(|i| (0..=n).map(move |j| Point3::new(f64::from(i), f64::from(j), 0.0)))
+            .collect();
+        let triangles = (0..n)
+            .flat_map(|i| (0..n).map(move |j| [i, j]))
+            .filter(|square| !holes.contains(square))
+            .flat_map(|[i, j]| {
+                [
+                    [id(i, j), id(i + 1, j), id(i + 1, j + 1)],
+                    [id(i, j), id(i + 1, j + 1), id(i, j + 1)],
+                ]
+            })
+            .collect();
+        TriMesh {
+            positions,
+            triangles,
+        }
+    }
+
+    fn loops(mesh: &TriMesh) -> Vec<BoundaryLoop> {
+        boundary_loops(mesh, &Adjacency::new(mesh))
+    }
+
+    #[test]
+    fn a_hole_in_a_sheet_is_told_from_its_outer_rim() {
+        let loops = loops(&grid(6, &[[2, 2], [2, 3]]));
+        assert_eq!(loops.len(), 2);
+        assert_eq!(loops[0].kind, LoopKind::Rim);
+        assert_relative_eq!(loops[0].length, 24.0);
+        assert_relative_eq!(loops[0].area, 36.0, epsilon = 1e-12);
+        assert_relative_eq!(loops[0].turning, TAU, epsilon = 1e-9);
+        assert_eq!(loops[1].kind, LoopKind::Hole);
+        assert_relative_eq!(loops[1].length, 6.0);
+        assert_relative_eq!(loops[1].area, 2.0, epsilon = 1e-12);
+        assert_relative_eq!(loops[1].turning, -TAU, epsilon = 1e-9);
+    }
+
+    #[test]
+    fn the_hole_is_on_the_left() {
+        let mesh = grid(4, &[[1, 1]]);
+        let loops = loops(&mesh);
+        let polygon = |i: usize| -> Vec<_> {
+            (loops[i].vertices.iter())
+                .map(|v| mesh.positions[*v as usize])
+                .collect()
+        };
+        assert!(vector_area(&polygon(1)).z > 0.0);
+        assert!(vector_area(&polygon(0)).z < 0.0);
+    }
+
+    #[test]
+    fn loops_that_touch_in_a_vertex_stay_apart() {
+        let loops = loops(&grid(6, &[[2, 2], [3, 3]]));
+        let sizes: Vec<_> = loops.iter().map(|l| l.vertices.len()).collect();
+        // The two holes share a corner. Through the corner's two fans one walk passes twice.
+        assert_eq!(sizes, [24, 8]);
+        assert!(loops.iter().all(|l| l.defect.is_none()));
+    }
+
+    #[test]
+    fn both_ends_of_a_tube_are_rims_and_a_hole_in_its_wall_is_one() {
+        let n = 24u32;
+        let id = |i: u32, j: u32| i * n + j % n;
+        let positions = (0..20)
+            .flat_map(|i| {
+                (0..n).map(move |j| {
+                    let angle = TAU * f64::from(j) / f64::from(n);
+                    Point3::new(angle.cos(), angle.sin(), f64::from(i) * 0.2)
+                })
+            })
+            .collect();
+        let triangles = (0..19)
+            .flat_map(|i| (0..n).map(move |j| [i, j]))
+            .filter(|square| ![[9, 3], [9, 4], [10, 3], [10, 4]].contains(square))
+            .flat_map(|[i, j]| {
+                [
+                    [id(i, j), id(i, j + 1), id(i + 1, j + 1)],
+                    [id(i, j), id(i + 1, j + 1), id(i + 1, j)],
+                ]
+            })
+            .collect();
+        let kinds: Vec<_> = loops(&TriMesh {
+            positions,
+            triangles,
+        })
+        .iter()
+        .map(|l| l.kind)
+        .collect();
+        assert_eq!(kinds, [LoopKind::Rim, LoopKind::Rim, LoopKind::Hole]);
+    }
+
+    #[test]
+    fn flipped_and_surplus_triangles_at_the_rim_are_named() {
+        let mut mesh = grid(4, &[[1, 1]]);
+        mesh.triangles[0].swap(0, 1);
+        assert!(loops(&mesh).iter().any(|l| l.defect.is_some()));
+        let mut mesh = grid(2, &[]);
+        mesh.positions.push(Point3::new(0.5, 0.5, 1.0));
+        let [a, b, _] = mesh.triangles[0];
+        mesh.triangles.push([a, b, 9]);
+        mesh.triangles.push([b, a, 9]);
+        assert!(loops(&mesh).iter().any(|l| l.defect.is_some()));
+    }
+}

@@ -1,0 +1,128 @@
+//! Scan and base surface to relief (signed heights along the base normal), and back.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::base::BaseSurface;
+use crate::mesh::{TriMesh, triangle_normal};
+
+/// The relief of a mesh over its base surface, one row a vertex.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Relief {
+    /// #V foot points s' on the base surface.
+    pub feet: Vec<Point3<f64>>,
+    /// #V corrected unit normals: those of the base surface at the feet, on the side that the
+    /// triangles face. They do not feel the relief, so frames built on them agree between places.
+    pub normals: Vec<Vector3<f64>>,
+    /// #V signed heights over the base along the corrected normals, in the scan's unit; positive is
+    /// towards the side that the triangles face.
+    pub heights: Vec<f64>,
+    /// 1 if the triangles face the base surface's outside, −1 if they face its inside (the inner
+    /// wall of a vessel).
+    pub side: f64,
+}
+
+impl Relief {
+    /// Displacement vector D(s) of vertex `v`, from its foot to the vertex.
+    #[must_use]
+    pub fn displacement(&self, v: usize) -> Vector3<f64> {
+        self.normals[v] * self.heights[v]
+    }
+
+    /// The point at height `height` over the foot of vertex `v`.
+    #[must_use]
+    pub fn point(&self, v: usize, height: f64) -> Point3<f64> {
+        self.feet[v] + self.normals[v] * height
+    }
+}
+
+/// Takes the relief of every vertex off the base surface.
+///
+/// # Reference
+/// [Breckon & Fisher 2005](crate::bibliography#breckon--fisher-2005), §3 and Fig. 5.
+#[must_use]
+pub fn extract(mesh: &TriMesh, base: &BaseSurface) -> Relief {
+    let feet: Vec<_> = mesh.positions.iter().map(|p| base.foot(p)).collect();
+    let agreement: f64 = (mesh.triangles.iter().enumerate())
+        .map(|(f, [a, b, c])| {
+            let base_normal =
+                feet[*a as usize].normal + feet[*b as usize].normal + feet[*c as usize].normal;
+            triangle_normal(mesh.corners(f)).dot(&base_normal)
+        })
+        .sum();
+    let side = if agreement < 0.0 { -1.0 } else { 1.0 };
+    Relief {
+        normals: feet.iter().map(|foot| foot.normal * side).collect(),
+        heights: feet.iter().map(|foot| foot.height * side).collect(),
+        feet: feet.into_iter().map(|foot| foot.point).collect(),
+        side,
+    }
+}
+
+/// Puts the relief back on its base: #V points.
+#[must_use]
+pub fn apply(relief: &Relief) -> Vec<Point3<f64>> {
+    (0..relief.feet.len())
+        .map(|v| relief.point(v, relief.heights[v]))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Sphere;
+    use approx::assert_relative_eq;
+
+    fn octahedron() -> TriMesh {
+        let positions = [1.0, -1.0]
+            .iter()
+            .flat_map(|s| [[*s, 0.0, 0.0], [0.0, *s, 0.0], [0.0, 0.0, *s]])
+            .map(Point3::from)
+            .collect();
+        let triangles = vec![
+            [0, 1, 2],
+            [1, 3, 2],
+            [3, 4, 2],
+            [4, 0, 2],
+            [1, 0, 5],
+            [3, 1, 5],
+            [4, 3, 5],
+            [0, 4, 5],
+        ];
+        TriMesh {
+            positions,
+            triangles,
+        }
+    }
+
+    #[test]
+    fn putting_the_relief_back_gives_the_scan() {
+        let mut mesh = octahedron();
+        mesh.positions[2].z = 1.25;
+        let base = BaseSurface::Sphere(Sphere {
+            center: Point3::new(0.01, 0.02, -0.03),
+            radius: 1.1,
+        });
+        let relief = extract(&mesh, &base);
+        for (p, q) in apply(&relief).iter().zip(&mesh.positions) {
+            assert_relative_eq!(p, q, epsilon = 1e-15);
+        }
+        assert!(relief.heights[2] > 0.0 && relief.heights[0] < 0.0);
+        assert_relative_eq!(relief.displacement(2).norm(), relief.heights[2]);
+    }
+
+    #[test]
+    fn heights_rise_towards_the_side_that_the_triangles_face() {
+        let mut mesh = octahedron();
+        let base = BaseSurface::Sphere(Sphere {
+            center: Point3::origin(),
+            radius: 0.9,
+        });
+        assert!(extract(&mesh, &base).heights[0] > 0.0);
+        for t in &mut mesh.triangles {
+            t.swap(0, 1);
+        }
+        let inside = extract(&mesh, &base);
+        assert!(inside.heights[0] < 0.0);
+        assert_relative_eq!(inside.normals[0], -Vector3::x());
+    }
+}
