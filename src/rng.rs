@@ -43,6 +43,11 @@ impl Rng {
         (high * 67_108_864.0 + low) / 9_007_199_254_740_992.0
     }
 
+    /// The generator's next 32 bits.
+    pub fn word(&mut self) -> u32 {
+        self.generator.next_u32()
+    }
+
     /// Uniform index below `len`, without modulo bias (Lemire's multiplication with rejection).
     ///
     /// # Panics

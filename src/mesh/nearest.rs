@@ -62,4 +62,16 @@ impl PointTree {
             })
             .collect()
     }
+
+    /// Indices of all points within `distance` of `query`, in no stated order.
+    #[must_use]
+    pub fn within(&self, query: &Point3<f64>, distance: f64) -> Vec<u32> {
+        (self.tree.query(&query.coords.into()))
+            .within::<SquaredEuclidean<f64>>(distance * distance)
+            .unsorted()
+            .execute()
+            .into_iter()
+            .map(|found| found.item)
+            .collect()
+    }
 }

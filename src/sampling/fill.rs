@@ -110,7 +110,7 @@ pub fn fill(
     let in_gap = (rims.gap_faces(gap.extend_over.is_some())).ok_or(FillError::Unbounded)?;
     let region = region(base, relief, gap, &rims, &chart);
     let predicted = region.predicted_points(spacing);
-    if !(predicted <= MAX_TARGETS) {
+    if predicted.is_nan() || predicted > MAX_TARGETS {
         return Err(FillError::TooManyTargets { predicted, spacing });
     }
     let clear = Clearance::new(&rims.rims, &chart, spacing);
@@ -144,17 +144,11 @@ pub fn fill(
     Ok(fill)
 }
 
-/// Whether the loop bounds a finite piece of the base surface by itself: never on a plane's outer
-/// rim or around the end of a tube.
+/// Whether the gap has an end on the base surface: not beyond a plane's outer rim, nor beyond the end
+/// of a tube.
 #[must_use]
-pub fn is_bounded(base: &BaseSurface, relief: &Relief, rim: &[u32]) -> bool {
-    let gap = Gap {
-        rims: vec![rim.to_vec()],
-        ..Gap::default()
-    };
-    let chart = gap_chart(base, relief, &gap);
-    let rim = Rim::new(rim, &relief.feet, &chart);
-    rim.signed_area() > 0.0 && !(chart.origin_is_an_end() && rim.contains(&Point2::origin()))
+pub fn is_bounded(base: &BaseSurface, relief: &Relief, gap: &Gap) -> bool {
+    plane_rims(gap, relief, &gap_chart(base, relief, gap)).is_ok()
 }
 
 /// The chart around the middle of the gap.

@@ -1,0 +1,60 @@
+//! Scans that cannot be completed.
+
+use thiserror::Error;
+
+use crate::base::{BaseKind, FitError};
+
+/// Why a scan cannot be completed at all.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum CompletionError {
+    /// Relief needs a surface.
+    #[error("it has vertices but no faces: triangulate the points first")]
+    NoFaces,
+    /// A parameter is out of its range.
+    #[error("{name} must be {range}, not {value}")]
+    Parameter {
+        /// Name, as on the command line.
+        name: &'static str,
+        /// What it may be.
+        range: &'static str,
+        /// What it is.
+        value: f64,
+    },
+    /// See [`FitError`].
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    /// See [`crate::base::FitReport::fits`].
+    #[error(
+        "a {kind:?} does not fit: the vertices it leaves over are {rms} (RMS) away in a scan of size {size}; choose another --base, or cut the scan down to one surface"
+    )]
+    BaseDoesNotFit {
+        /// The kind that was fitted.
+        kind: BaseKind,
+        /// RMS height.
+        rms: f64,
+        /// Diagonal of the scan.
+        size: f64,
+    },
+    /// There is nothing to do.
+    #[error("it has no boundary: the surface is closed, nothing is missing")]
+    Closed,
+    /// Only outer rims are there.
+    #[error(
+        "it has no interior hole, only {rims} outer rim(s): --extend completes the rest of the base surface, --holes all or --holes ID fills a rim"
+    )]
+    NoInteriorHole {
+        /// Number of outer rims.
+        rims: usize,
+    },
+    /// A loop was asked for that is not there.
+    #[error("there is no boundary loop {id}: their numbers go from 0 to {last} (see the command holes)")]
+    NoSuchLoop {
+        /// Number asked for.
+        id: usize,
+        /// Highest number.
+        last: usize,
+    },
+    /// Nothing lies on the base to copy from.
+    #[error("no triangle of the scan lies on the base surface, so there is no relief to copy: choose another --base")]
+    NoSamples,
+}

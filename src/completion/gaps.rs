@@ -1,0 +1,239 @@
+//! Which boundary loops to fill, grouped into gaps, and on which base surface.
+
+use crate::base::{self, BaseSurface, FitParams};
+use crate::mesh::{BoundaryLoop, LoopKind, TriMesh};
+use crate::sampling::{Gap, is_bounded};
+
+use super::patch::{NumberedGap, Patch};
+use super::{
+    Clock, CompleteParams, CompletionError, HoleChoice, Input, SkippedHole, Work,
+};
+
+/// A loop lies on a base surface if this share of its vertices does: a few may stand on spikes.
+const ON_BASE_SHARE: f64 = 0.9;
+
+/// A hole's own base is fitted to at least this many vertices around it, and …
+const SURROUNDING_VERTICES: usize = 400;
+/// … to this many times as many as it is predicted to need itself.
+const SURROUNDING_RATIO: f64 = 4.0;
+
+/// Numbers of the loops to fill, of those asked for one by one; extension is not among them.
+pub(super) fn choose(
+    loops: &[BoundaryLoop],
+    params: &CompleteParams,
+) -> Result<Vec<usize>, CompletionError> {
+    let Some(last) = loops.len().checked_sub(1) else {
+        return Err(CompletionError::Closed);
+    };
+    let holes = || loops.iter().filter(|l| l.kind == LoopKind::Hole);
+    Ok(match &params.holes {
+        HoleChoice::Interior => holes().map(|l| l.id).collect(),
+        HoleChoice::All => (0..loops.len()).collect(),
+        HoleChoice::Largest => match holes().next() {
+            Some(largest) => vec![largest.id],
+            None if params.extend => Vec::new(),
+            None => return Err(CompletionError::NoInteriorHole { rims: loops.len() }),
+        },
+        HoleChoice::Ids(ids) => {
+            if let Some(id) = ids.iter().find(|id| **id > last) {
+                return Err(CompletionError::NoSuchLoop { id: *id, last });
+            }
+            let mut ids = ids.clone();
+            ids.sort_unstable();
+            ids.dedup();
+            ids
+        }
+    })
+}
+
+/// The gaps by where they lie.
+#[derive(Debug)]
+pub(super) struct Plan {
+    pub(super) on_base: Vec<NumberedGap>,
+    /// Holes to be filled on a base surface of their own.
+    pub(super) off_base: Vec<NumberedGap>,
+    pub(super) skipped: Vec<SkippedHole>,
+}
+
+/// Groups the chosen loops into gaps, and adds those of the extension.
+pub(super) fn plan(
+    input: &Input,
+    whole: &Patch,
+    chosen: &[usize],
+    params: &CompleteParams,
+) -> Plan {
+    let mut plan = Plan {
+        on_base: Vec::new(),
+        off_base: Vec::new(),
+        skipped: Vec::new(),
+    };
+    let mut wanted: Vec<usize> = chosen.to_vec();
+    if params.holes == HoleChoice::Interior {
+        wanted.extend(ring_gaps(input, whole));
+    }
+    for id in wanted {
+        let boundary = &input.loops[id];
+        if let Some([a, b]) = boundary.defect {
+            plan.skipped.push(SkippedHole {
+                loops: vec![id],
+                reason: format!(
+                    "more than two triangles meet, or two are oriented against each other, at its edge between vertices {a} and {b}; repair the scan there"
+                ),
+            });
+        } else if whole.share_on_base(&boundary.vertices) >= ON_BASE_SHARE {
+            plan.on_base.push(single_gap(input, id));
+        } else {
+            plan.off_base.push(single_gap(input, id));
+        }
+    }
+    if params.extend {
+        extend(input, whole, &mut plan);
+    }
+    plan
+}
+
+/// One loop, and the rims of other pieces of surface that may lie inside it.
+fn single_gap(input: &Input, id: usize) -> NumberedGap {
+    let boundary = &input.loops[id];
+    let islands: Vec<&BoundaryLoop> = (input.loops.iter())
+        .filter(|l| l.component != boundary.component && l.kind == LoopKind::Rim)
+        .filter(|l| l.defect.is_none())
+        .collect();
+    NumberedGap {
+        gap: Gap {
+            rims: vec![boundary.vertices.clone()],
+            islands: islands.iter().map(|l| l.vertices.clone()).collect(),
+            extend_over: None,
+        },
+        rim_ids: vec![id],
+        island_ids: islands.iter().map(|l| l.id).collect(),
+    }
+}
+
+/// Rims that face each other around a column: neither is a hole by itself, but between them the
+/// wall is missing.
+fn ring_gaps(input: &Input, whole: &Patch) -> Vec<usize> {
+    if !matches!(whole.base, BaseSurface::Cylinder(_) | BaseSurface::Cone(_)) {
+        return Vec::new();
+    }
+    (input.loops.iter())
+        .filter(|l| l.kind == LoopKind::Rim && l.defect.is_none())
+        .filter(|l| whole.share_on_base(&l.vertices) >= ON_BASE_SHARE)
+        .filter(|l| {
+            let with_others = single_gap(input, l.id).gap;
+            let alone = Gap {
+                islands: Vec::new(),
+                ..with_others.clone()
+            };
+            !is_bounded(&whole.base, &whole.relief, &alone)
+                && is_bounded(&whole.base, &whole.relief, &with_others)
+        })
+        .map(|l| l.id)
+        .collect()
+}
+
+/// The rest of the base surface beyond the rims of the scan's main piece.
+fn extend(input: &Input, whole: &Patch, plan: &mut Plan) {
+    let Some(main) = main_component(input, whole) else {
+        return;
+    };
+    let taken: Vec<usize> = (plan.on_base.iter().chain(&plan.off_base))
+        .flat_map(|gap| gap.rim_ids.iter().copied())
+        .collect();
+    let rims: Vec<&BoundaryLoop> = (input.loops.iter())
+        .filter(|l| l.kind == LoopKind::Rim && l.component == main && l.defect.is_none())
+        .filter(|l| !taken.contains(&l.id))
+        .collect();
+    if matches!(whole.base, BaseSurface::Sphere(_)) {
+        plan.on_base
+            .extend(rims.iter().map(|l| single_gap(input, l.id)));
+        return;
+    }
+    let Some(first) = rims.first() else {
+        return;
+    };
+    let mut gap = single_gap(input, first.id);
+    gap.gap.rims = rims.iter().map(|l| l.vertices.clone()).collect();
+    gap.gap.extend_over = Some(
+        (0u32..)
+            .zip(&whole.on_base)
+            .filter_map(|(v, on)| on.then_some(v))
+            .collect(),
+    );
+    gap.rim_ids = rims.iter().map(|l| l.id).collect();
+    plan.on_base.push(gap);
+}
+
+/// The connected piece with the most vertices on the base.
+fn main_component(input: &Input, whole: &Patch) -> Option<u32> {
+    let (components, count) = input.adjacency.components();
+    let mut sizes = vec![0usize; count];
+    for (component, on) in components.iter().zip(&whole.on_base) {
+        sizes[*component as usize] += usize::from(*on);
+    }
+    (0u32..)
+        .zip(&sizes)
+        .max_by_key(|(component, size)| (**size, std::cmp::Reverse(*component)))
+        .map(|(component, _)| component)
+}
+
+/// Fits a base surface to the surroundings of a hole and completes the hole there.
+pub(super) fn complete_on_own_base(
+    input: &Input,
+    gap: NumberedGap,
+    params: &CompleteParams,
+    work: &mut Work,
+    clock: &mut Clock,
+) {
+    let id = gap.rim_ids[0];
+    let boundary = &input.loops[id];
+    let region = surroundings(input, boundary);
+    let mesh = TriMesh {
+        positions: input.mesh.positions.clone(),
+        triangles: (input.mesh.triangles.iter())
+            .filter(|t| t.iter().all(|v| region[*v as usize]))
+            .copied()
+            .collect(),
+    };
+    let any_kind = FitParams {
+        base: base::BaseChoice::Auto,
+        ..params.fit
+    };
+    let fit = base::fit(&mesh, &any_kind);
+    clock.end("own bases");
+    let patch = fit.ok().map(|fit| Patch::new(input, &fit, Some(&region)));
+    match patch.filter(|patch| patch.share_on_base(&boundary.vertices) >= ON_BASE_SHARE) {
+        Some(patch) => patch.complete(input, vec![gap], params, work, clock),
+        None => work.skipped.push(SkippedHole {
+            loops: vec![id],
+            reason: "it lies neither on the scan's base surface nor, with its surroundings, on one of its own; cut the scan down to one surface".to_owned(),
+        }),
+    }
+}
+
+/// Vertices around a hole, ring by ring, until there is enough to fit and to copy from.
+fn surroundings(input: &Input, boundary: &BoundaryLoop) -> Vec<bool> {
+    let needed = boundary.area / input.spacing.spacing.powi(2);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "saturating"
+    )]
+    let enough = ((SURROUNDING_RATIO * needed) as usize)
+        .max(SURROUNDING_VERTICES)
+        .max(2 * boundary.vertices.len());
+    let mut region = vec![false; input.mesh.positions.len()];
+    let mut ring = boundary.vertices.clone();
+    let mut count = 0;
+    while !ring.is_empty() && count < enough {
+        let mut next = Vec::new();
+        for v in ring {
+            if !std::mem::replace(&mut region[v as usize], true) {
+                count += 1;
+                next.extend(input.adjacency.neighbors.row(v as usize));
+            }
+        }
+        ring = next;
+    }
+    region
+}

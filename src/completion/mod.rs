@@ -1,0 +1,384 @@
+//! Scan to completed scan: base surface, relief, targets, growth.
+//!
+//! [`complete`] is the list of these steps. Originals come first in its result, bit for bit;
+//! completion only appends.
+//!
+//! # Reference
+//! [Breckon & Fisher 2005](crate::bibliography#breckon--fisher-2005), Appendix A.
+
+mod error;
+mod gaps;
+mod growth;
+mod params;
+mod patch;
+mod report;
+
+pub use error::CompletionError;
+pub use params::{CompleteParams, HoleChoice};
+pub use report::{CompletionReport, Counts, FilledHole, SkippedHole, StageTime};
+
+use std::time::Instant;
+
+use nalgebra::{Point3, Vector3};
+
+use crate::base::{self, BaseSurface};
+use crate::mesh::{Adjacency, BoundaryLoop, TriMesh, boundary_loops, vertex_normals};
+use crate::relief;
+use crate::sampling::{EdgeSpacing, edge_spacing};
+use crate::scan::{Added, Column, Scan};
+
+use patch::{Added as AddedGap, Patch};
+
+/// Name of the channel that tells completed vertices (1) from original ones (0).
+pub const COMPLETED: &str = "completed";
+/// Name of the channel with the height over the base surface.
+pub const HEIGHT: &str = "height";
+/// Name of the channel with the vertex that a completed one was copied from, −1 for originals.
+pub const SOURCE: &str = "source";
+
+/// A completed scan.
+#[derive(Debug, Clone)]
+pub struct Completion {
+    /// The scan with the completed part appended and the channels [`COMPLETED`], [`HEIGHT`] and
+    /// [`SOURCE`].
+    pub scan: Scan,
+    /// What was done.
+    pub report: CompletionReport,
+}
+
+/// How far a stage has come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// Name of the stage.
+    pub stage: &'static str,
+    /// Units done, of `total`.
+    pub done: usize,
+    /// Units in all; 0 if not known.
+    pub total: usize,
+}
+
+/// Completes the scan's missing parts with relief and colour.
+///
+/// Holes that lie off the scan's base surface are completed on a base surface of their own, fitted
+/// to their surroundings. Holes that cannot be filled are reported in
+/// [`CompletionReport::skipped`]; that is no error.
+///
+/// # Errors
+/// [`CompletionError`] if nothing can be completed at all.
+pub fn complete(
+    scan: &Scan,
+    params: &CompleteParams,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Completion, CompletionError> {
+    check(params)?;
+    let mut clock = Clock::new(progress);
+    let (mesh, origin) = centered_mesh(scan)?;
+    let adjacency = Adjacency::new(&mesh);
+    let loops = boundary_loops(&mesh, &adjacency);
+    clock.end("loops");
+    let fit = base::fit(&mesh, &params.fit)?;
+    if !fit.fits() {
+        return Err(CompletionError::BaseDoesNotFit {
+            kind: fit.base.kind(),
+            rms: fit.inlier_rms,
+            size: fit.diagonal,
+        });
+    }
+    clock.end("fit");
+    let spacing = edge_spacing(&mesh, params.spacing).ok_or(CompletionError::NoFaces)?;
+    let input = Input {
+        mesh,
+        adjacency,
+        loops,
+        colors: scan.colors(),
+        spacing,
+    };
+    let chosen = gaps::choose(&input.loops, params)?;
+    let whole = Patch::new(&input, &fit, None);
+    if whole.triangles.is_empty() {
+        return Err(CompletionError::NoSamples);
+    }
+    let samples = 4 * whole.triangles.len();
+    let plan = gaps::plan(&input, &whole, &chosen, params);
+    let mut work = Work::default();
+    work.skipped.extend(plan.skipped);
+    whole.complete(&input, plan.on_base, params, &mut work, &mut clock);
+    for gap in plan.off_base {
+        gaps::complete_on_own_base(&input, gap, params, &mut work, &mut clock);
+    }
+    let completed = assemble(scan, &input, &whole.relief.heights, &work, &origin);
+    let mut scan = completed;
+    remember_base(&mut scan, &fit.base.translated(origin));
+    clock.end("assemble");
+    let seconds = clock.stages;
+    let counts = Counts {
+        original_vertices: input.mesh.positions.len(),
+        original_faces: scan.faces.len() - work.faces(),
+        completed_vertices: work.vertices(),
+        completed_faces: work.faces(),
+        samples,
+        loops: input.loops.len(),
+    };
+    let mut report = CompletionReport {
+        fit,
+        spacing,
+        filled: work.filled(),
+        skipped: work.skipped,
+        counts,
+        seconds,
+    };
+    report.translate(origin);
+    Ok(Completion { scan, report })
+}
+
+/// The scan as every step sees it: around its centroid, so that large offsets (national grids) cost
+/// no precision.
+#[derive(Debug)]
+struct Input {
+    mesh: TriMesh,
+    adjacency: Adjacency,
+    loops: Vec<BoundaryLoop>,
+    colors: Option<Vec<[f64; 3]>>,
+    spacing: EdgeSpacing,
+}
+
+/// What was completed so far.
+#[derive(Debug, Default)]
+struct Work {
+    added: Vec<AddedGap>,
+    skipped: Vec<SkippedHole>,
+    /// Number of patches begun: each has random numbers of its own.
+    patches: u32,
+}
+
+impl Work {
+    fn vertices(&self) -> usize {
+        self.added.iter().map(|gap| gap.points.len()).sum()
+    }
+
+    fn faces(&self) -> usize {
+        self.added.iter().map(|gap| gap.triangles.len()).sum()
+    }
+
+    fn filled(&self) -> Vec<FilledHole> {
+        self.added.iter().map(|gap| gap.report.clone()).collect()
+    }
+}
+
+impl CompletionReport {
+    /// From coordinates around the centroid to the scan's own.
+    fn translate(&mut self, origin: Vector3<f64>) {
+        self.fit.base = self.fit.base.translated(origin);
+        for candidate in &mut self.fit.ranking {
+            candidate.base = candidate.base.translated(origin);
+        }
+        for hole in &mut self.filled {
+            hole.own_base = hole.own_base.map(|base| base.translated(origin));
+        }
+    }
+}
+
+/// Stage times, and the way to tell progress.
+struct Clock<'a> {
+    since: Instant,
+    stages: Vec<StageTime>,
+    progress: &'a mut dyn FnMut(Progress),
+}
+
+impl<'a> Clock<'a> {
+    fn new(progress: &'a mut dyn FnMut(Progress)) -> Self {
+        Self {
+            since: Instant::now(),
+            stages: Vec::new(),
+            progress,
+        }
+    }
+
+    /// Ends a stage; one that comes again adds up.
+    fn end(&mut self, stage: &'static str) {
+        let seconds = self.since.elapsed().as_secs_f64();
+        self.since = Instant::now();
+        log::debug!("{stage}: {seconds:.2} s");
+        match self.stages.iter_mut().find(|s| s.stage == stage) {
+            Some(known) => known.seconds += seconds,
+            None => self.stages.push(StageTime { stage, seconds }),
+        }
+    }
+}
+
+fn check(params: &CompleteParams) -> Result<(), CompletionError> {
+    let spacing = match params.spacing {
+        crate::sampling::SpacingRule::Length(length) => length,
+        _ => 1.0,
+    };
+    let rules: [(&'static str, &'static str, f64, bool); 6] = [
+        (
+            "--window",
+            "from 1 to 50",
+            params.window as f64,
+            (1..=50).contains(&params.window),
+        ),
+        (
+            "--rotations",
+            "from 1 to 360",
+            f64::from(params.rotations),
+            (1..=360).contains(&params.rotations),
+        ),
+        (
+            "--tolerance",
+            "0 or more",
+            params.tolerance,
+            params.tolerance >= 0.0,
+        ),
+        (
+            "--error-threshold",
+            "above 0",
+            params.error_threshold,
+            params.error_threshold > 0.0,
+        ),
+        (
+            "--shape-weight",
+            "from 0 to 1",
+            params.mu.unwrap_or(0.0),
+            params.mu.is_none_or(|mu| (0.0..=1.0).contains(&mu)),
+        ),
+        (
+            "--spacing",
+            "a positive length",
+            spacing,
+            spacing > 0.0 && spacing.is_finite(),
+        ),
+    ];
+    match rules.into_iter().find(|rule| !rule.3) {
+        Some((name, range, value, _)) => Err(CompletionError::Parameter { name, range, value }),
+        None => Ok(()),
+    }
+}
+
+/// The mesh around its centroid, and the centroid.
+fn centered_mesh(scan: &Scan) -> Result<(TriMesh, Vector3<f64>), CompletionError> {
+    let mut mesh = scan.mesh();
+    if mesh.triangles.is_empty() {
+        return Err(CompletionError::NoFaces);
+    }
+    let origin = mesh.centroid().coords;
+    for p in &mut mesh.positions {
+        *p -= origin;
+    }
+    Ok((mesh, origin))
+}
+
+/// The scan with all that was added.
+fn assemble(
+    scan: &Scan,
+    input: &Input,
+    heights: &[f64],
+    work: &Work,
+    origin: &Vector3<f64>,
+) -> Scan {
+    let first = input.mesh.positions.len();
+    let (mut points, mut colors, mut sources) = (Vec::new(), Vec::new(), Vec::new());
+    let mut triangles = Vec::new();
+    let mut all_heights = heights.to_vec();
+    for gap in &work.added {
+        let offset = points.len();
+        points.extend(gap.points.iter().map(|p| p + origin));
+        colors.extend(gap.colors.iter().flatten());
+        sources.extend(&gap.sources);
+        all_heights.extend(&gap.heights);
+        triangles.extend(gap.triangles.iter().map(|t| {
+            t.map(|v| match (v as usize).checked_sub(first) {
+                None => v,
+                Some(target) => index(first + offset + target),
+            })
+        }));
+    }
+    let normals = new_normals(input, &points, &triangles, origin);
+    let completed = [vec![0u8; first], vec![1u8; points.len()]].concat();
+    let mut out = scan.clone();
+    let earlier = rename_foreign_channels(&mut out);
+    out.append(&Added {
+        positions: &points,
+        colors: (input.colors.is_some() && !points.is_empty()).then_some(&colors),
+        normals: Some(&normals),
+        sources: &sources,
+        triangles: &triangles,
+    });
+    let signed = |v: u32| i32::try_from(v).unwrap_or(i32::MAX);
+    let mut source: Vec<i32> = vec![-1; first];
+    source.extend(sources.iter().map(|v| signed(*v)));
+    let mut completed = completed;
+    if let Some((marks, origins)) = earlier {
+        completed[..first].copy_from_slice(&marks);
+        source[..first].copy_from_slice(&origins);
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "a float channel is asked for")]
+    let heights = all_heights.iter().map(|h| *h as f32).collect();
+    out.vertices.set_channel(COMPLETED, Column::U8(completed));
+    out.vertices.set_channel(HEIGHT, Column::F32(heights));
+    out.vertices.set_channel(SOURCE, Column::I32(source));
+    out
+}
+
+/// Normals of the new vertices, on the completed surface.
+fn new_normals(
+    input: &Input,
+    points: &[Point3<f64>],
+    triangles: &[[u32; 3]],
+    origin: &Vector3<f64>,
+) -> Vec<Vector3<f64>> {
+    let mut mesh = input.mesh.clone();
+    mesh.positions.extend(points.iter().map(|p| p - origin));
+    mesh.triangles.extend(triangles);
+    vertex_normals(&mesh).split_off(input.mesh.positions.len())
+}
+
+/// A scan completed before keeps its marks: returned are its `completed` and `source`. Channels of
+/// these names that mean something else are kept under another name.
+fn rename_foreign_channels(scan: &mut Scan) -> Option<(Vec<u8>, Vec<i32>)> {
+    let rows = 0..scan.vertices.rows;
+    let values = |name: &str| -> Option<Vec<f64>> {
+        let channel = scan.vertices.channel(name)?;
+        rows.clone().map(|row| channel.values.get_f64(row)).collect()
+    };
+    let marks = values(COMPLETED)
+        .filter(|marks| marks.iter().all(|mark| mark.abs() <= 0.0 || (mark - 1.0).abs() <= 0.0));
+    let sources = values(SOURCE);
+    if let (Some(marks), Some(sources), Some(_)) = (marks, sources, values(HEIGHT)) {
+        let marks = marks.iter().map(|mark| u8::from(*mark > 0.5)).collect();
+        #[expect(clippy::cast_possible_truncation, reason = "vertex indices, saturating")]
+        let sources = sources.iter().map(|source| *source as i32).collect();
+        return Some((marks, sources));
+    }
+    for channel in &mut scan.vertices.channels {
+        if [COMPLETED, HEIGHT, SOURCE].contains(&channel.name.as_str()) {
+            let name = format!("input_{}", channel.name);
+            log::warn!("the scan's own property {} is kept as {name}", channel.name);
+            channel.name = name;
+        }
+    }
+    None
+}
+
+/// Start of the comment line that says which base surface the heights are over.
+const BASE_COMMENT: &str = "relievo base ";
+
+fn remember_base(scan: &mut Scan, base: &BaseSurface) {
+    scan.comments.retain(|line| !line.starts_with(BASE_COMMENT));
+    match serde_json::to_string(base) {
+        Ok(json) => scan.comments.push(format!("{BASE_COMMENT}{json}")),
+        Err(error) => log::warn!("the base surface is not written down: {error}"),
+    }
+}
+
+/// The base surface that a completed scan's heights are over, if its comments tell.
+#[must_use]
+pub fn remembered_base(scan: &Scan) -> Option<BaseSurface> {
+    (scan.comments.iter())
+        .find_map(|line| line.strip_prefix(BASE_COMMENT))
+        .and_then(|json| serde_json::from_str(json).ok())
+}
+
+fn index(v: usize) -> u32 {
+    u32::try_from(v).expect("vertex indices are u32")
+}

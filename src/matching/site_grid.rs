@@ -1,0 +1,181 @@
+//! Nearest site on a surface in constant time: space is cut into cells, and each cell near the
+//! surface lists every site that is nearest to some point in it.
+
+use nalgebra::Point3;
+use rayon::prelude::*;
+
+use crate::mesh::{Csr, PointTree};
+
+/// Cell size over typical distance of sites. Smaller cells list fewer sites but are more.
+const CELL_PER_SPACING: f64 = 0.6;
+
+/// Bits per axis of a cell's key.
+const KEY_BITS: u32 = 21;
+
+/// Sites by cell.
+#[derive(Debug)]
+pub(super) struct SiteGrid {
+    origin: Point3<f64>,
+    cell: f64,
+    /// Open addressing: key + 1, or 0 where free; and the row of `sites`.
+    slots: Vec<(u64, u32)>,
+    sites: Csr,
+    points: Vec<Point3<f64>>,
+}
+
+impl SiteGrid {
+    /// Over `points` (#S); only cells that meet one of `boxes` (low and high corner) are made, so
+    /// queries must fall into those.
+    pub(super) fn new(
+        points: &[Point3<f64>],
+        spacing: f64,
+        boxes: impl Iterator<Item = [Point3<f64>; 2]>,
+    ) -> Self {
+        let boxes: Vec<_> = boxes.collect();
+        let low = (boxes.iter()).fold(Point3::from([f64::INFINITY; 3]), |low, b| low.inf(&b[0]));
+        let high = (boxes.iter()).fold(low, |high, b| high.sup(&b[1]));
+        // The longest side must fit in a key.
+        let widest = (high - low).amax();
+        let most_cells = f64::from(1u32 << KEY_BITS) - 2.0;
+        let cell = (spacing * CELL_PER_SPACING).max(widest / most_cells);
+        let mut grid = Self {
+            origin: low,
+            cell,
+            slots: Vec::new(),
+            sites: Csr::default(),
+            points: points.to_vec(),
+        };
+        let mut keys: Vec<u64> = Vec::new();
+        for [low, high] in &boxes {
+            let (from, to) = (grid.cell_of(low), grid.cell_of(high));
+            for x in from[0]..=to[0] {
+                for y in from[1]..=to[1] {
+                    for z in from[2]..=to[2] {
+                        keys.push(key([x, y, z]));
+                    }
+                }
+            }
+        }
+        keys.par_sort_unstable();
+        keys.dedup();
+        grid.list_sites(&keys);
+        grid
+    }
+
+    fn list_sites(&mut self, keys: &[u64]) {
+        if keys.is_empty() {
+            return;
+        }
+        let tree = PointTree::new(&self.points);
+        let half_diagonal = 0.5 * 3f64.sqrt() * self.cell;
+        let rows: Vec<Vec<u32>> = (keys.par_iter())
+            .map(|key| {
+                let center = self.center(*key);
+                let nearest = tree.nearest(&center).distance_sq.sqrt();
+                // For any point of the cell the nearest site is at most this far from the center.
+                let reach = (nearest + 2.0 * half_diagonal) * (1.0 + 1e-9);
+                let mut row = tree.within(&center, reach);
+                row.sort_unstable();
+                row
+            })
+            .collect();
+        let mask = (2 * keys.len()).next_power_of_two() - 1;
+        self.slots = vec![(0, 0); mask + 1];
+        for ((key, row), number) in keys.iter().zip(&rows).zip(0u32..) {
+            let mut slot = hash(*key) & mask;
+            while self.slots[slot].0 != 0 {
+                slot = (slot + 1) & mask;
+            }
+            self.slots[slot] = (key + 1, number);
+            self.sites.push_row(row);
+        }
+    }
+
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "saturating; what is outside the grid is not found there"
+    )]
+    fn cell_of(&self, p: &Point3<f64>) -> [u64; 3] {
+        [0, 1, 2].map(|i| ((p[i] - self.origin[i]) / self.cell) as u64)
+    }
+
+    fn center(&self, key: u64) -> Point3<f64> {
+        let mask = (1u64 << KEY_BITS) - 1;
+        let coordinate = |i: u32| ((key >> (i * KEY_BITS)) & mask) as f64 + 0.5;
+        self.origin
+            + nalgebra::Vector3::new(coordinate(0), coordinate(1), coordinate(2)) * self.cell
+    }
+
+    /// The site nearest to `p`, ties to the lower index; `None` far from the boxes.
+    pub(super) fn nearest(&self, p: &Point3<f64>) -> Option<u32> {
+        if (0..3).any(|i| p[i] < self.origin[i]) || self.slots.is_empty() {
+            return None;
+        }
+        let cell = self.cell_of(p);
+        if cell.iter().any(|c| *c >= 1 << KEY_BITS) {
+            return None;
+        }
+        let wanted = key(cell) + 1;
+        let mask = self.slots.len() - 1;
+        let mut slot = hash(wanted - 1) & mask;
+        let row = loop {
+            match self.slots[slot] {
+                (0, _) => return None,
+                (key, row) if key == wanted => break row,
+                _ => slot = (slot + 1) & mask,
+            }
+        };
+        let mut best = (f64::INFINITY, None);
+        for site in self.sites.row(row as usize) {
+            let distance_sq = (self.points[*site as usize] - p).norm_squared();
+            if distance_sq < best.0 {
+                best = (distance_sq, Some(*site));
+            }
+        }
+        best.1
+    }
+}
+
+fn key([x, y, z]: [u64; 3]) -> u64 {
+    x | (y << KEY_BITS) | (z << (2 * KEY_BITS))
+}
+
+/// Fibonacci hashing (Knuth, *The Art of Computer Programming* 3, §6.4).
+fn hash(key: u64) -> usize {
+    (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 20) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn nearest_matches_a_search_through_all(
+            points in prop::collection::vec([0.0..3.0f64, 0.0..3.0, 0.0..0.3], 1..60),
+            queries in prop::collection::vec([0.0..3.0f64, 0.0..3.0, 0.0..0.3], 20),
+        ) {
+            let points: Vec<Point3<f64>> = points.into_iter().map(Point3::from).collect();
+            let whole = [Point3::origin(), Point3::new(3.0, 3.0, 0.3)];
+            let grid = SiteGrid::new(&points, 0.4, std::iter::once(whole));
+            for q in queries.into_iter().map(Point3::from) {
+                let plain = (points.iter().zip(0u32..))
+                    .min_by(|a, b| (a.0 - q).norm_squared().total_cmp(&(b.0 - q).norm_squared()))
+                    .map(|(_, i)| i);
+                prop_assert_eq!(grid.nearest(&q), plain);
+            }
+        }
+    }
+
+    #[test]
+    fn far_away_there_is_none() {
+        let points = [Point3::new(1.0, 1.0, 1.0)];
+        let grid = SiteGrid::new(&points, 0.1, std::iter::once([points[0], points[0]]));
+        assert_eq!(grid.nearest(&points[0]), Some(0));
+        assert_eq!(grid.nearest(&Point3::new(9.0, 1.0, 1.0)), None);
+        assert_eq!(grid.nearest(&Point3::new(-9.0, 1.0, 1.0)), None);
+        assert_eq!(grid.nearest(&Point3::new(1e300, 1.0, 1.0)), None);
+    }
+}
