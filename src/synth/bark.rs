@@ -70,7 +70,7 @@ impl Bark {
             .map(|_| Plate {
                 offset: Vector2::new(0.5 + 0.7 * (rng.uniform() - 0.5), rng.uniform()),
                 height: 0.3 * (rng.uniform() - 0.5),
-                brightness: 0.9 + 0.2 * rng.uniform(),
+                brightness: 0.86 + 0.28 * rng.uniform(),
             })
             .collect();
         Self {
@@ -94,20 +94,23 @@ impl Bark {
                 .noise
                 .fractal(stretched(width, 1.0).add_scalar(57.0), 3),
         ) * width;
-        let (plate, groove, along) = self.nearest(wall + meander);
+        let (plate, groove, across) = self.nearest(wall + meander);
 
         // Breaks across the grain are shallower than the grooves along it, and differ.
         let varied = self.noise.at(stretched(1.5 * width, 1.0).add_scalar(23.0));
-        let bottom = 1.0 - (0.45 + 0.3 * varied) * smooth_step(0.3, 0.9, along);
-        let slope = (groove / (0.34 * width)).min(1.0);
-        let ridge = 1.0 - bottom * (1.0 - slope).powf(1.7);
+        let bottom = 1.0 - (0.45 + 0.3 * varied) * smooth_step(0.3, 0.9, across);
+        // Steep beside the groove, then gently up to the ridge; round at the bottom, else the
+        // lattice cuts steps into it.
+        let wall = smooth_step(0.0, 0.3 * width, groove);
+        let slope = 0.6 * wall + 0.4 * smooth_step(0.0, 0.5 * width, groove);
+        let ridge = 1.0 - bottom * (1.0 - slope);
         let rough = self.noise.fractal(stretched(0.22 * width, 3.0), 3);
         let level = ridge + plate.height * slope;
         let height = DEPTH * level + ROUGHNESS * rough;
 
-        let depth = smooth_step(0.05, 1.1, level + 0.09 * rough);
+        let depth = smooth_step(0.1, 1.05, level + 0.12 * rough);
         let grain = self.noise.at(stretched(0.12 * width, 2.0).add_scalar(91.0));
-        let brightness = plate.brightness * (1.0 + 0.08 * grain);
+        let brightness = plate.brightness * (1.0 + 0.12 * grain);
         (height, blend(GROOVE_COLOR, RIDGE_COLOR, depth, brightness))
     }
 
@@ -133,16 +136,23 @@ impl Bark {
         let (nearest_sq, nearest, plate) = found[0];
         // Distance to the bisector with each rival, back in mm: the difference of squared
         // distances over the length of its gradient.
-        let (groove, along) = found[1..]
+        let rivals: Vec<(f64, f64)> = found[1..]
             .iter()
             .map(|(distance_sq, from, _)| {
                 let apart = (from - nearest).component_div(&self.cell);
                 let distance = 0.5 * (distance_sq - nearest_sq) / apart.norm();
                 (distance, apart.y.abs() / apart.norm())
             })
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .expect("there are rivals");
-        (plate, groove, along)
+            .collect();
+        let groove = rivals.iter().map(|r| r.0).fold(f64::INFINITY, f64::min);
+        // A mean over the borders about as near, else the relief jumps where they meet.
+        let (mut mean, mut weights) = (0.0, 0.0);
+        for (distance, across) in rivals {
+            let weight = ((groove - distance) / (0.08 * self.cell.x)).exp();
+            mean += weight * across;
+            weights += weight;
+        }
+        (plate, groove, mean / weights)
     }
 }
 

@@ -12,7 +12,7 @@ const RADIUS: f64 = 200.0;
 /// Height, in mm; about the circumference, so that a hole of half the wall still fits.
 const HEIGHT: f64 = 1230.0;
 /// Niches in a row.
-const AROUND: f64 = 10.0;
+const AROUND: f64 = 8.0;
 /// Rows of niches.
 const ROWS: f64 = 3.0;
 /// Half the width of a niche, as a share of the width it stands in.
@@ -24,7 +24,7 @@ const TOP: f64 = 0.86;
 const SIDE_DEPTH: f64 = 12.0;
 const MIDDLE_DEPTH: f64 = 10.0;
 /// Width of the wall's fall into the niche, in mm.
-const FALL: f64 = 14.0;
+const FALL: f64 = 20.0;
 /// Width and height of the moulding around a niche, in mm.
 const MOULDING: [f64; 2] = [22.0, 5.0];
 /// Half the height of the band between rows, and how far it stands out, in mm.

@@ -19,7 +19,7 @@ pub enum Kind {
     GolfBall,
     /// Tree trunk: long ridges with breaks, dark in the grooves. Coloured.
     Bark,
-    /// Round column with three rows of ten arched niches.
+    /// Round column with three rows of eight arched niches.
     Column,
     /// Wall of bricks in running bond with recessed joints. Coloured.
     Bricks,

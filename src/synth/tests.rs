@@ -65,7 +65,7 @@ fn complete_objects_are_clean_and_have_the_asked_size() {
                 full.full_index
                     .iter()
                     .copied()
-                    .eq(0..full.full_index.len() as u32)
+                    .eq(0..tessellate::index(full.full_index.len()))
             );
         }
     }
