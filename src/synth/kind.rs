@@ -49,7 +49,7 @@ impl Kind {
         }
     }
 
-    /// Number of vertices below which the relief is not there at all: about three for each dimple,
+    /// Number of vertices below which the relief is not there at all: at least three for a dimple,
     /// brick or niche, and an interior wide enough for a hole.
     #[must_use]
     pub fn least_vertices(self) -> usize {

@@ -9,8 +9,8 @@ use super::{Draw, Object, stream, tessellate};
 
 /// Side of the square, in mm.
 const SIDE: f64 = 100.0;
-/// Shortest and longest wavelength, in edges. The field's autocorrelation falls to zero at about a
-/// quarter to a third of the typical wavelength: within a few edges.
+/// Shortest and longest wavelength, in edges. The autocorrelation of an isotropic wave, a Bessel
+/// function, first falls to zero at 0.38 wavelengths: here at about 4 edges.
 const WAVELENGTHS: [f64; 2] = [6.0, 18.0];
 /// Root mean square of the heights, in edges: slopes of about 20°, as on cast stone.
 const ROUGHNESS: f64 = 0.6;
@@ -50,5 +50,29 @@ pub(super) fn object(vertices: usize, seed: u32) -> Object {
             .collect(),
         tessellation,
         colors: Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heights_have_the_stated_deviation_and_correlation_length() {
+        let field = object(20_000, 2);
+        let heights = &field.heights;
+        let edge = field.tessellation.edge;
+        let n = heights.len() as f64;
+        let mean_square = heights.iter().map(|h| h * h).sum::<f64>() / n;
+        assert!((mean_square.sqrt() / (ROUGHNESS * edge) - 1.0).abs() < 0.1);
+
+        // Along the rows, vertices follow each other at about one edge.
+        let correlation = |lag: usize| {
+            let pairs = heights.iter().zip(&heights[lag..]);
+            pairs.map(|(a, b)| a * b).sum::<f64>() / (n * mean_square)
+        };
+        assert!(correlation(1) > 0.8, "{}", correlation(1));
+        assert!(correlation(2) > 0.3, "{}", correlation(2));
+        assert!(correlation(5) < 0.1, "{}", correlation(5));
     }
 }
