@@ -32,4 +32,4 @@ pub mod neighborhood;
 pub mod matching;
 // pub mod completion;
 // pub mod stats;
-// pub mod synth;
+pub mod synth;
