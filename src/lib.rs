@@ -30,6 +30,6 @@ pub mod relief;
 pub mod sampling;
 pub mod neighborhood;
 pub mod matching;
-// pub mod completion;
-// pub mod stats;
+pub mod completion;
+pub mod stats;
 pub mod synth;

@@ -20,6 +20,7 @@ pub use report::{CompletionReport, Counts, FilledHole, SkippedHole, StageTime};
 use std::time::Instant;
 
 use nalgebra::{Point3, Vector3};
+use serde::{Deserialize, Serialize};
 
 use crate::base::{self, BaseSurface};
 use crate::mesh::{Adjacency, BoundaryLoop, TriMesh, boundary_loops, vertex_normals};
@@ -108,7 +109,11 @@ pub fn complete(
     }
     let completed = assemble(scan, &input, &whole.relief.heights, &work, &origin);
     let mut scan = completed;
-    remember_base(&mut scan, &fit.base.translated(origin));
+    let base = RememberedBase {
+        surface: fit.base.translated(origin),
+        reach: relief::reach(&fit),
+    };
+    remember_base(&mut scan, &base);
     clock.end("assemble");
     let seconds = clock.stages;
     let counts = Counts {
@@ -363,7 +368,16 @@ fn rename_foreign_channels(scan: &mut Scan) -> Option<(Vec<u8>, Vec<i32>)> {
 /// Start of the comment line that says which base surface the heights are over.
 const BASE_COMMENT: &str = "relievo base ";
 
-fn remember_base(scan: &mut Scan, base: &BaseSurface) {
+/// What a completed scan's heights are over.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct RememberedBase {
+    /// The base surface.
+    pub surface: BaseSurface,
+    /// Largest absolute height that counts as relief, in the scan's unit.
+    pub reach: f64,
+}
+
+fn remember_base(scan: &mut Scan, base: &RememberedBase) {
     scan.comments.retain(|line| !line.starts_with(BASE_COMMENT));
     match serde_json::to_string(base) {
         Ok(json) => scan.comments.push(format!("{BASE_COMMENT}{json}")),
@@ -373,7 +387,7 @@ fn remember_base(scan: &mut Scan, base: &BaseSurface) {
 
 /// The base surface that a completed scan's heights are over, if its comments tell.
 #[must_use]
-pub fn remembered_base(scan: &Scan) -> Option<BaseSurface> {
+pub fn remembered_base(scan: &Scan) -> Option<RememberedBase> {
     (scan.comments.iter())
         .find_map(|line| line.strip_prefix(BASE_COMMENT))
         .and_then(|json| serde_json::from_str(json).ok())

@@ -12,10 +12,6 @@ use crate::sampling::{Fill, Gap, fill, subdivide};
 use super::growth::{Canvas, Grown, Growth, GrowthParams};
 use super::{Clock, CompleteParams, FilledHole, Input, Progress, SkippedHole, Work};
 
-/// Heights beyond this many robust standard deviations are no relief: the tower's roof over the
-/// cylinder of its shaft. Generous, since deep vugs and joints are what completion is for.
-const RELIEF_REACH: f64 = 12.0;
-
 /// A base surface and the part of the scan that lies on it.
 #[derive(Debug)]
 pub(super) struct Patch {
@@ -61,7 +57,7 @@ impl Patch {
     pub(super) fn new(input: &Input, fit: &FitReport, region: Option<&[bool]>) -> Self {
         let relief = relief::extract(&input.mesh, &fit.base);
         let used = input.mesh.used_vertices();
-        let reach = RELIEF_REACH * fit.scale + 1e-9 * fit.diagonal;
+        let reach = relief::reach(fit);
         let on_base: Vec<bool> = (0..relief.heights.len())
             .map(|v| {
                 used[v] && relief.heights[v].abs() <= reach && region.is_none_or(|region| region[v])

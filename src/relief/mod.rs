@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::base::BaseSurface;
+use crate::base::{BaseSurface, FitReport};
 use crate::mesh::{TriMesh, triangle_normal};
 
 /// The relief of a mesh over its base surface, one row a vertex.
@@ -56,6 +56,17 @@ pub fn extract(mesh: &TriMesh, base: &BaseSurface) -> Relief {
         feet: feet.into_iter().map(|foot| foot.point).collect(),
         side,
     }
+}
+
+/// Heights beyond this many robust standard deviations are no relief: the roof of a tower over the
+/// cylinder of its shaft. Generous, since deep joints and vugs are what completion is for.
+const REACH: f64 = 12.0;
+
+/// Largest absolute height that counts as relief over a fitted base, in the scan's unit.
+#[must_use]
+pub fn reach(fit: &FitReport) -> f64 {
+    // Without any relief, rounding must not throw vertices off the base.
+    REACH * fit.scale + 1e-9 * fit.diagonal
 }
 
 /// Puts the relief back on its base: #V points.
