@@ -2,13 +2,44 @@
 //! and STL in; PLY, OBJ and STL out.
 //!
 //! A scan keeps every channel of the file in the file's own type, so that what was measured is
-//! written back bit for bit. Completion only appends.
+//! written back bit for bit. Completion only [`append`](Scan::append)s.
+//!
+//! | format | in | out | kept |
+//! |---|---|---|---|
+//! | PLY | ASCII, binary | binary little endian, ASCII | everything; the faces' list of vertices comes first and is called `vertex_indices`, elements are vertices, faces, others |
+//! | OBJ | yes | yes | positions, colours of vertices, polygons |
+//! | OFF | ASCII | no | positions, normals and colours of vertices, polygons |
+//! | STL | ASCII, binary | binary | positions (out: rounded to `float`), triangles |
+//!
+//! Numbers of text files other than PLY are `double`. Files are not trusted: whatever their bytes,
+//! [`read`] gives a scan that passes [`Scan::check`], or a [`ScanError`] that says what to do, and
+//! memory follows the size of the file, not what its header claims.
 
+mod append;
 mod channel;
+mod color;
+mod error;
+mod format;
+mod obj;
+mod off;
+mod output;
+mod ply;
+mod ply_header;
+mod ply_write;
+mod range_grid;
+mod stl;
+mod text;
+mod triangulate;
 
+pub use append::Added;
 pub use channel::{Channel, Column, Table};
+pub use error::ScanError;
+pub use format::{Format, WriteOptions, read, read_from, write, write_to};
+pub use output::OutputFile;
 
-use crate::mesh::Csr;
+use nalgebra::Point3;
+
+use crate::mesh::{Csr, TriMesh};
 
 /// What the scanner delivered: vertices, faces and every further channel, in the file's own types.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -26,3 +57,132 @@ pub struct Scan {
     /// `obj_info` lines.
     pub obj_info: Vec<String>,
 }
+
+impl Scan {
+    /// #V points, exact: every scalar type fits into `f64`.
+    ///
+    /// # Panics
+    /// If the vertices have no `x`, `y` and `z`, which [`check`](Self::check) tells.
+    #[must_use]
+    pub fn positions(&self) -> Vec<Point3<f64>> {
+        let axes = self.vertices.triple(["x", "y", "z"]);
+        let columns = axes
+            .expect("a checked scan has coordinates")
+            .map(|c| &self.vertices.channels[c].values);
+        (0..self.vertices.rows)
+            .map(|row| Point3::from(columns.map(|c| c.get_f64(row).unwrap_or(f64::NAN))))
+            .collect()
+    }
+
+    /// #V intensities of red, green and blue, 0 to 1; `None` if the scan has no colours.
+    ///
+    /// Looked for as `red`, `green`, `blue`; `r`, `g`, `b`; `diffuse_red`, …; `diffuse_r`, …. Full
+    /// intensity is 65535 for `ushort`, 1 for floats, and 255 for other types and for floats of which
+    /// one exceeds 1. Values out of range are clamped; NaN is 0.
+    #[must_use]
+    pub fn colors(&self) -> Option<Vec<[f64; 3]>> {
+        color::colors(&self.vertices)
+    }
+
+    /// The faces split into triangles of the same orientation, in their order.
+    ///
+    /// Quads split along the shorter diagonal (or the one inside, if they have a dent), larger
+    /// polygons by clipping ears, always the first one.
+    ///
+    /// # Panics
+    /// As [`positions`](Self::positions).
+    #[must_use]
+    pub fn triangles(&self) -> Vec<[u32; 3]> {
+        self.split_faces(&self.positions())
+    }
+
+    /// Positions and triangles; triangles with the same vertex twice are dropped.
+    ///
+    /// # Panics
+    /// As [`positions`](Self::positions).
+    #[must_use]
+    pub fn mesh(&self) -> TriMesh {
+        let positions = self.positions();
+        let mut triangles = self.split_faces(&positions);
+        triangles.retain(|[a, b, c]| a != b && b != c && c != a);
+        TriMesh {
+            positions,
+            triangles,
+        }
+    }
+
+    fn split_faces(&self, positions: &[Point3<f64>]) -> Vec<[u32; 3]> {
+        let mut triangles = Vec::with_capacity(self.faces.len());
+        for face in self.faces.rows() {
+            triangulate::triangulate(face, |v| positions[v as usize], &mut triangles);
+        }
+        triangles
+    }
+
+    /// The door check: vertices with finite coordinates, and faces of three or more of them. No faces
+    /// at all is fine here.
+    ///
+    /// `name` stands for the file in the error.
+    ///
+    /// # Errors
+    /// The first broken rule, in the order: missing coordinates, no vertices, too many vertices,
+    /// coordinates that are not finite, faces with fewer than three vertices or with one that does not
+    /// exist.
+    pub fn check(&self, name: &str) -> Result<(), ScanError> {
+        let name = || name.to_owned();
+        let vertices = self.vertices.rows;
+        for property in ["x", "y", "z"] {
+            if self.vertices.scalar_index(property).is_none() {
+                return Err(if self.vertices.channels.is_empty() && vertices == 0 {
+                    ScanError::NoVertices { name: name() }
+                } else {
+                    ScanError::MissingCoordinate {
+                        name: name(),
+                        property,
+                    }
+                });
+            }
+        }
+        if vertices == 0 {
+            return Err(ScanError::NoVertices { name: name() });
+        }
+        if u32::try_from(vertices).is_err() {
+            return Err(ScanError::TooLarge {
+                name: name(),
+                what: "vertices",
+            });
+        }
+        for property in ["x", "y", "z"] {
+            let index = self.vertices.scalar_index(property);
+            let column = index.map(|i| &self.vertices.channels[i].values);
+            if let Some(vertex) = column.and_then(Column::first_not_finite) {
+                return Err(ScanError::NotFinite {
+                    name: name(),
+                    property,
+                    vertex,
+                });
+            }
+        }
+        for (face, corners) in self.faces.rows().enumerate() {
+            if corners.len() < 3 {
+                return Err(ScanError::ShortFace {
+                    name: name(),
+                    face,
+                    corners: corners.len(),
+                });
+            }
+            if let Some(&index) = corners.iter().find(|v| **v as usize >= vertices) {
+                return Err(ScanError::NoSuchVertex {
+                    name: name(),
+                    face,
+                    index,
+                    vertices,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

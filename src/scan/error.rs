@@ -1,0 +1,198 @@
+//! What can be wrong with a file, each in one sentence with a remedy.
+
+use std::io;
+
+use thiserror::Error;
+
+/// Why a scan could not be read or written.
+#[derive(Debug, Error)]
+pub enum ScanError {
+    /// The file exists.
+    #[error("{name}: there is no such file; check the path")]
+    NotFound {
+        /// The path.
+        name: String,
+    },
+    /// The path is a file.
+    #[error("{name} is a folder; name a file in it")]
+    IsFolder {
+        /// The path.
+        name: String,
+    },
+    /// The file can be read.
+    #[error("cannot read {name} ({source}); check its permissions")]
+    Read {
+        /// The path.
+        name: String,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The extension, or the first bytes, tell a known format.
+    #[error(
+        "{name}: the extension does not tell a format that relievo knows; convert the file to .ply, .obj, .off or .stl"
+    )]
+    UnknownFormat {
+        /// The path.
+        name: String,
+    },
+    /// Headers follow their format.
+    #[error("{name}: header line {line} (`{text}`): {reason}; export the file again")]
+    Header {
+        /// The file.
+        name: String,
+        /// Number of the line, from 1.
+        line: usize,
+        /// The line.
+        text: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The file holds as many rows as its header says.
+    #[error(
+        "{name} is cut off: its header promises {expected} rows of `{element}`, but only {found} are there; copy or export it again"
+    )]
+    Truncated {
+        /// The file.
+        name: String,
+        /// The element whose rows are missing.
+        element: String,
+        /// Number of complete rows.
+        found: usize,
+        /// Number of rows that the header promises.
+        expected: usize,
+    },
+    /// A row holds what the header says.
+    #[error(
+        "{name}: row {row} (from 0) of `{element}`: {reason}; repair the row or export the file again"
+    )]
+    Row {
+        /// The file.
+        name: String,
+        /// The element.
+        element: String,
+        /// Index of the row, from 0.
+        row: usize,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A line of a text format can be understood.
+    #[error("{name}: line {line}: {reason}; repair the line or export the file again")]
+    Line {
+        /// The file.
+        name: String,
+        /// Number of the line, from 1.
+        line: usize,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A scan has vertices.
+    #[error("{name} holds no vertices; export the scan with its points")]
+    NoVertices {
+        /// The file.
+        name: String,
+    },
+    /// Vertices have the scalar properties `x`, `y` and `z`.
+    #[error("{name}: its vertices have no number `{property}`; export the scan with x, y and z")]
+    MissingCoordinate {
+        /// The file.
+        name: String,
+        /// The property that is missing.
+        property: &'static str,
+    },
+    /// Faces have a list of vertices.
+    #[error(
+        "{name}: its faces have no list `vertex_indices` or `vertex_index`; export the scan with them"
+    )]
+    MissingIndices {
+        /// The file.
+        name: String,
+    },
+    /// Coordinates are finite numbers.
+    #[error(
+        "{name}: coordinate {property} of vertex {vertex} (from 0) is not a finite number; remove such vertices first"
+    )]
+    NotFinite {
+        /// The file.
+        name: String,
+        /// `x`, `y` or `z`.
+        property: &'static str,
+        /// Index of the vertex, from 0.
+        vertex: usize,
+    },
+    /// A face's vertices exist.
+    #[error(
+        "{name}: face {face} (from 0) refers to vertex {index} (from 0), but there are only {vertices} vertices; export the file again"
+    )]
+    NoSuchVertex {
+        /// The file.
+        name: String,
+        /// Index of the face, from 0.
+        face: usize,
+        /// The index that it holds.
+        index: u32,
+        /// Number of vertices.
+        vertices: usize,
+    },
+    /// A face has three vertices or more.
+    #[error("{name}: face {face} (from 0) has only {corners} vertices; remove such faces first")]
+    ShortFace {
+        /// The file.
+        name: String,
+        /// Index of the face, from 0.
+        face: usize,
+        /// Number of its vertices.
+        corners: usize,
+    },
+    /// A range grid has as many cells as columns times rows.
+    #[error(
+        "{name}: {columns} columns by {rows} rows (num_cols, num_rows) do not make the {cells} cells of its range_grid; correct the obj_info lines"
+    )]
+    GridSize {
+        /// The file.
+        name: String,
+        /// `num_cols`, as in the file.
+        columns: String,
+        /// `num_rows`, as in the file.
+        rows: String,
+        /// Number of rows of the element.
+        cells: usize,
+    },
+    /// Indices fit into 32 bits.
+    #[error("{name} has too many {what} (2^32 or more); split the scan into parts")]
+    TooLarge {
+        /// The file.
+        name: String,
+        /// What there is too much of.
+        what: &'static str,
+    },
+    /// The format can be written.
+    #[error("{name}: cannot write this format; choose an output that ends in .ply, .obj or .stl")]
+    CannotWriteFormat {
+        /// The path.
+        name: String,
+    },
+    /// The output's folder exists.
+    #[error("cannot write {name}: there is no folder {folder}; make it first")]
+    NoFolder {
+        /// The path of the output.
+        name: String,
+        /// The folder that is missing.
+        folder: String,
+    },
+    /// The output is not the input.
+    #[error(
+        "{name} is the input and would be overwritten; choose another output, or ask for overwriting"
+    )]
+    WouldOverwrite {
+        /// The path of the output.
+        name: String,
+    },
+    /// The output can be written.
+    #[error("cannot write {name} ({source}); check its permissions and the space left")]
+    Write {
+        /// The path of the output.
+        name: String,
+        /// What the system says.
+        source: io::Error,
+    },
+}

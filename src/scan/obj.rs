@@ -1,0 +1,251 @@
+//! Wavefront OBJ: vertices, vertex colours and polygons.
+//!
+//! Our own parser, since the vertices must stay as they are: `tobj` stores `f32` unless the whole
+//! build is switched, regroups vertices by object, and drops those that no face uses.
+
+use std::io::{self, Write};
+
+use super::channel::Scalar;
+use super::text::{line_error, lines, number, shown, table_of_doubles};
+use super::{Scan, ScanError};
+
+/// Reads an OBJ file. Coordinates and colours become `double` channels. Texture coordinates,
+/// normals, lines, points, groups and materials are dropped with a warning.
+pub(super) fn read(bytes: &[u8], name: &str) -> Result<Scan, ScanError> {
+    let mut reader = Reader::default();
+    let mut continued: Option<(usize, String)> = None;
+    for (line_number, line) in lines(bytes) {
+        let line = line.trim_end();
+        let (first, mut text) = continued.take().unwrap_or((line_number, String::new()));
+        text.push_str(line);
+        if let Some(open) = text.strip_suffix('\\') {
+            continued = Some((first, format!("{open} ")));
+            continue;
+        }
+        reader
+            .line(&text)
+            .map_err(|reason| line_error(name, first, reason))?;
+    }
+    if let Some((first, text)) = continued {
+        reader
+            .line(&text)
+            .map_err(|reason| line_error(name, first, reason))?;
+    }
+    Ok(reader.finish(name))
+}
+
+#[derive(Default)]
+struct Reader {
+    scan: Scan,
+    positions: Vec<[f64; 3]>,
+    colors: Vec<[f64; 3]>,
+    face: Vec<u32>,
+    corners: usize,
+    dropped: Dropped,
+}
+
+/// How often something was met that a scan has no place for.
+#[derive(Default)]
+struct Dropped {
+    texture: usize,
+    normals: usize,
+    lines_and_points: usize,
+    materials: usize,
+    weights: usize,
+    other: usize,
+}
+
+impl Reader {
+    fn line(&mut self, line: &str) -> Result<(), String> {
+        let line = line.split('#').next().unwrap_or_default();
+        let mut tokens = line.split_whitespace();
+        match tokens.next() {
+            Some("v") => self.vertex(tokens)?,
+            Some("f") => self.polygon(tokens)?,
+            Some("vt") => self.dropped.texture += 1,
+            Some("vn") => self.dropped.normals += 1,
+            Some("l" | "p") => self.dropped.lines_and_points += 1,
+            Some("usemtl" | "mtllib") => self.dropped.materials += 1,
+            None | Some("g" | "o" | "s") => {}
+            Some(_) => self.dropped.other += 1,
+        }
+        Ok(())
+    }
+
+    fn vertex<'a>(&mut self, tokens: impl Iterator<Item = &'a str>) -> Result<(), String> {
+        let values = tokens.map(number).collect::<Result<Vec<_>, _>>()?;
+        // x y z, perhaps a weight, perhaps a colour.
+        let (position, color) = match *values.as_slice() {
+            [x, y, z] => ([x, y, z], None),
+            [x, y, z, _] => ([x, y, z], None),
+            [x, y, z, r, g, b] | [x, y, z, _, r, g, b] => ([x, y, z], Some([r, g, b])),
+            _ => return Err("a vertex is `v x y z` or `v x y z red green blue`".to_owned()),
+        };
+        if values.len() % 3 == 1 {
+            self.dropped.weights += 1;
+        }
+        self.positions.push(position);
+        self.colors.extend(color);
+        Ok(())
+    }
+
+    fn polygon<'a>(&mut self, corners: impl Iterator<Item = &'a str>) -> Result<(), String> {
+        self.face.clear();
+        for corner in corners {
+            let token = corner.split('/').next().unwrap_or_default();
+            let index: i64 = token
+                .parse()
+                .map_err(|_| format!("`{}` is not the index of a vertex", shown(corner)))?;
+            let so_far = i64::try_from(self.positions.len()).unwrap_or(i64::MAX);
+            let from_zero = if index < 0 { so_far + index } else { index - 1 };
+            let index = u32::try_from(from_zero)
+                .map_err(|_| format!("there is no vertex `{}`", shown(corner)))?;
+            self.face.push(index);
+        }
+        if self.face.len() < 3 {
+            return Err("a face has three vertices or more".to_owned());
+        }
+        self.corners += self.face.len();
+        if u32::try_from(self.corners).is_err() {
+            return Err("the faces have 2^32 corners or more".to_owned());
+        }
+        self.scan.faces.push_row(&self.face);
+        Ok(())
+    }
+
+    fn finish(mut self, name: &str) -> Scan {
+        self.scan.vertices = table_of_doubles(["x", "y", "z"], &self.positions);
+        if self.colors.len() == self.positions.len() {
+            let colors = table_of_doubles(["red", "green", "blue"], &self.colors);
+            self.scan.vertices.channels.extend(colors.channels);
+        } else if !self.colors.is_empty() {
+            log::warn!("{name}: colours dropped, since only some vertices have one");
+        }
+        for (count, what) in [
+            (self.dropped.texture, "texture coordinates"),
+            (self.dropped.normals, "normals"),
+            (self.dropped.lines_and_points, "lines and points"),
+            (self.dropped.materials, "uses of materials"),
+            (self.dropped.weights, "weights of vertices"),
+            (self.dropped.other, "statements of other kinds"),
+        ] {
+            if count > 0 {
+                log::warn!(
+                    "{name}: {count} {what} dropped; relievo keeps vertices and faces of OBJ"
+                );
+            }
+        }
+        self.scan
+    }
+}
+
+/// Writes positions, colours (0 to 1) and faces.
+pub(super) fn write(scan: &Scan, out: &mut impl Write) -> io::Result<()> {
+    let colors = scan.colors();
+    let mut line = Vec::new();
+    for row in 0..scan.vertices.rows {
+        line.clear();
+        line.push(b'v');
+        // `float` channels print as such: their shortest text is shorter than that of the double.
+        for axis in ["x", "y", "z"] {
+            line.push(b' ');
+            if let Some(column) = scan.vertices.column(axis) {
+                push_value(column, row, &mut line);
+            }
+        }
+        for value in colors.iter().flat_map(|c| c[row]) {
+            line.push(b' ');
+            <f32 as Scalar>::rounded(value).push_ascii(&mut line);
+        }
+        line.push(b'\n');
+        out.write_all(&line)?;
+    }
+    for face in scan.faces.rows() {
+        line.clear();
+        line.push(b'f');
+        for index in face {
+            // u64: index 2^32 - 1 is vertex 2^32 there.
+            write!(line, " {}", u64::from(*index) + 1)?;
+        }
+        line.push(b'\n');
+        out.write_all(&line)?;
+    }
+    Ok(())
+}
+
+fn push_value(column: &super::Column, row: usize, line: &mut Vec<u8>) {
+    super::channel::match_column!(
+        column,
+        values => values[row].push_ascii(line),
+        _lists => {}
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scan(text: &str) -> Result<Scan, String> {
+        read(text.as_bytes(), "a.obj").map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn every_kind_of_face_is_read() {
+        let text = "# tower\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nusemtl a\n\
+                    f 1 2 3\nf 1/1 2/1 3/1\nf 1//1 3//1 4//1\nf 1/1/1 2/1/1 3/1/1 4/1/1\nf -4 -3 -2\n\
+                    v 7 7 7\n";
+        for ending in ["\n", "\r\n", "\r"] {
+            let scan = scan(&text.replace('\n', ending)).unwrap();
+            let faces: Vec<&[u32]> = scan.faces.rows().collect();
+            let expected: [&[u32]; 5] = [
+                &[0, 1, 2],
+                &[0, 1, 2],
+                &[0, 2, 3],
+                &[0, 1, 2, 3],
+                &[0, 1, 2],
+            ];
+            assert_eq!(faces, expected);
+            assert_eq!(scan.vertices.rows, 5);
+            assert_eq!(scan.colors(), None);
+        }
+    }
+
+    #[test]
+    fn doubles_and_colors_survive_the_way_out_and_back() {
+        let text =
+            "v 0.1234567890123456 1e-30 -0 0.5 0.25 1\nv 1 0 0 0 0 0\nv 0 1 0 1 1 1\nf 1 2 3\n";
+        let first = scan(text).unwrap();
+        assert_eq!(
+            first.vertices.column("x").unwrap().get_f64(0),
+            Some(0.123_456_789_012_345_6)
+        );
+        assert_eq!(first.colors().unwrap()[0], [0.5, 0.25, 1.0]);
+        let mut out = Vec::new();
+        write(&first, &mut out).unwrap();
+        assert_eq!(String::from_utf8(out.clone()).unwrap(), text);
+        assert_eq!(read(&out, "b.obj").unwrap(), first);
+    }
+
+    #[test]
+    fn long_lines_may_be_broken_and_some_colors_are_none() {
+        let scan = scan("v 0 0 0\nv 1 0 0 1 1 1\nv 0 1 0 1\nf 1 \\\n2 \\\n3\n").unwrap();
+        assert_eq!(scan.faces.row(0), [0, 1, 2]);
+        assert_eq!(scan.colors(), None);
+    }
+
+    #[test]
+    fn bad_lines_are_named() {
+        for bad in [
+            "v 1 2",
+            "v 1 2 x",
+            "f 1 2",
+            "f 0 1 2",
+            "f 1 2 -9",
+            "f 1 2 x/3",
+            "f 1 2 99999999999",
+        ] {
+            let error = scan(&format!("v 0 0 0\nv 0 0 1\n\n{bad}\n")).unwrap_err();
+            assert!(error.contains("line 4"), "{bad}: {error}");
+        }
+    }
+}
