@@ -1,0 +1,167 @@
+//! Which kind of surface: a criterion that does not reward needless parameters.
+
+use super::robust::tukey_loss;
+use super::samples::{Normalized, Samples};
+use super::{BaseKind, BaseSurface, Degenerate};
+
+/// Radius of curvature, in half diagonals, beyond which a surface is a plane: over the whole mesh
+/// it bends by less than 1/800 of the diagonal.
+const FLAT_RADIUS: f64 = 200.0;
+
+/// Half angles of cones, in degrees, that are no cylinder and no plane.
+const CONE_ANGLES: (f64, f64) = (1.0, 85.0);
+
+/// Largest share of the vertices behind a cone's apex.
+const MAX_BEHIND: f64 = 0.1;
+
+/// Differences of fit below this, in half diagonals, are no evidence for anything.
+const LEAST_SCALE: f64 = 1e-6;
+
+/// Number of parameters of a surface.
+pub(super) fn parameters(kind: BaseKind) -> usize {
+    match kind {
+        BaseKind::Plane => 3,
+        BaseKind::Sphere => 4,
+        BaseKind::Cylinder => 5,
+        BaseKind::Cone => 6,
+    }
+}
+
+/// Whether a simpler kind says the same as `surface`.
+pub(super) fn degenerate(surface: &BaseSurface, samples: &Samples) -> Option<Degenerate> {
+    match surface {
+        BaseSurface::Plane(_) => None,
+        BaseSurface::Sphere(s) => (s.radius > FLAT_RADIUS).then_some(Degenerate::Flat),
+        BaseSurface::Cylinder(c) => (c.radius > FLAT_RADIUS).then_some(Degenerate::Flat),
+        BaseSurface::Cone(cone) => {
+            let along = |p: &nalgebra::Point3<f64>| (p - cone.apex).dot(&cone.axis);
+            let total: f64 = samples.weights.iter().sum();
+            let behind: f64 = samples
+                .points
+                .iter()
+                .zip(&samples.weights)
+                .filter(|(p, _)| along(p) < 0.0)
+                .map(|(_, w)| *w)
+                .sum();
+            let angle = cone.half_angle;
+            let curvature_radius = along(&samples.mean()) * angle.tan() / angle.cos();
+            if angle < CONE_ANGLES.0.to_radians() {
+                Some(Degenerate::NearlyCylinder)
+            } else if angle > CONE_ANGLES.1.to_radians() {
+                Some(Degenerate::NearlyPlane)
+            } else if behind > MAX_BEHIND * total {
+                Some(Degenerate::BehindApex)
+            } else {
+                (curvature_radius > FLAT_RADIUS).then_some(Degenerate::Flat)
+            }
+        }
+    }
+}
+
+/// What the criterion is computed from.
+pub(super) struct Fitted<'a> {
+    pub(super) kind: BaseKind,
+    pub(super) heights: &'a [f64],
+    pub(super) sigma: f64,
+    pub(super) excluded: bool,
+}
+
+/// The criterion of each candidate, and the number n of independent pieces of relief in it.
+///
+/// n ln ρ̄ + k ln n, the Bayesian information criterion (Schwarz 1978) with a robust loss in place
+/// of the square and a number of observations that heeds that neighboring heights are not
+/// independent: n is the number of patches of equal sign of the best-fitting candidate.
+pub(super) fn criteria(mesh: &Normalized, fitted: &[Fitted<'_>]) -> (Vec<f64>, f64) {
+    let weights = &mesh.samples.weights;
+    let total: f64 = weights.iter().sum();
+    let sigma = fitted
+        .iter()
+        .filter(|f| !f.excluded)
+        .map(|f| f.sigma)
+        .fold(f64::INFINITY, f64::min)
+        .max(LEAST_SCALE);
+    let losses: Vec<f64> = fitted
+        .iter()
+        .map(|f| {
+            let pairs = f.heights.iter().zip(weights);
+            pairs.map(|(h, w)| w * tukey_loss(*h, sigma)).sum::<f64>() / total
+        })
+        .collect();
+    let best = (0..fitted.len())
+        .filter(|&i| !fitted[i].excluded)
+        .min_by(|&a, &b| losses[a].total_cmp(&losses[b]));
+    let n = best.map_or(2.0, |i| independent(mesh, fitted[i].heights));
+    // A loss that is only rounding is as good as the least scale.
+    let floor = (LEAST_SCALE / sigma).powi(2) * 1e-2;
+    let criteria = fitted
+        .iter()
+        .zip(&losses)
+        .map(|(f, loss)| n * (loss + floor).ln() + parameters(f.kind) as f64 * n.ln())
+        .collect();
+    (criteria, n)
+}
+
+/// Number of independent pieces of relief: connected patches of the mesh on which the height is
+/// above (or below) its median; at least 2.
+fn independent(mesh: &Normalized, heights: &[f64]) -> f64 {
+    let center = super::robust::spread(heights, &mesh.samples.weights).center;
+    let above: Vec<bool> = heights.iter().map(|h| *h > center).collect();
+    let mut patches = Patches::new(heights.len());
+    for &[a, b, c] in &mesh.triangles {
+        for (i, j) in [(a, b), (b, c), (c, a)] {
+            if above[i as usize] == above[j as usize] {
+                patches.join(i, j);
+            }
+        }
+    }
+    let areas = patches.weights(&mesh.samples.weights);
+    if std::env::var("NEFF").is_ok() {
+        let s: f64 = areas.iter().sum();
+        let s2: f64 = areas.iter().map(|a| a * a).sum();
+        let mean = s / areas.len() as f64;
+        eprintln!("    patches {} participation {:.1} >=mean/10 {} >= 7 vertices {}", areas.len(), s*s/s2,
+            areas.iter().filter(|a| **a > 0.1*s2/s).count(), areas.iter().filter(|a| **a > 7.0).count());
+    }
+    (areas.len() as f64).max(2.0)
+}
+
+/// Union-find over vertices.
+struct Patches {
+    parent: Vec<u32>,
+}
+
+impl Patches {
+    fn new(count: usize) -> Self {
+        Self {
+            parent: (0u32..).take(count).collect(),
+        }
+    }
+
+    fn root(&mut self, mut i: u32) -> u32 {
+        while self.parent[i as usize] != i {
+            let up = self.parent[self.parent[i as usize] as usize];
+            self.parent[i as usize] = up;
+            i = up;
+        }
+        i
+    }
+
+    /// The lower root stays, so that the order of the joins does not matter.
+    fn join(&mut self, i: u32, j: u32) {
+        let (i, j) = (self.root(i), self.root(j));
+        self.parent[i.max(j) as usize] = i.min(j);
+    }
+
+    /// Weight of each patch, by ascending root.
+    fn weights(mut self, weights: &[f64]) -> Vec<f64> {
+        let mut sums = vec![0.0; self.parent.len()];
+        for (i, w) in (0u32..).zip(weights) {
+            sums[self.root(i) as usize] += w;
+        }
+        (0u32..)
+            .zip(sums)
+            .filter(|(i, _)| self.parent[*i as usize] == *i)
+            .map(|(_, sum)| sum)
+            .collect()
+    }
+}
