@@ -21,10 +21,10 @@ mod select;
 mod fit;
 
 pub use chart::Chart;
-pub use surface::{
-    BaseKind, BaseSurface, Cone, Cylinder, Foot, Plane, Sphere, perpendicular_frame,
-};
 pub use error::FitError;
 pub use fit::fit;
 pub use params::{BaseChoice, FitParams, Loss, Weighting};
 pub use report::{Candidate, Degenerate, FitReport, MAX_RELIEF_SHARE, StopReason};
+pub use surface::{
+    BaseKind, BaseSurface, Cone, Cylinder, Foot, Plane, Sphere, perpendicular_frame,
+};

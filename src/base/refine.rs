@@ -139,8 +139,7 @@ impl Reweighting<'_> {
         let sigma = self.sigma;
         self.weights
             .extend(pairs.map(|(h, w)| w * tukey_weight(h - center, sigma)));
-        let (_, reason) =
-            least_squares(self.model, self.samples, &self.weights, 1e-9, INNER_STEPS);
+        let (_, reason) = least_squares(self.model, self.samples, &self.weights, 1e-9, INNER_STEPS);
         (self.measure(), reason)
     }
 }

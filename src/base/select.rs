@@ -119,8 +119,13 @@ fn independent(mesh: &Normalized, heights: &[f64]) -> f64 {
         let s: f64 = areas.iter().sum();
         let s2: f64 = areas.iter().map(|a| a * a).sum();
         let mean = s / areas.len() as f64;
-        eprintln!("    patches {} participation {:.1} >=mean/10 {} >= 7 vertices {}", areas.len(), s*s/s2,
-            areas.iter().filter(|a| **a > 0.1*s2/s).count(), areas.iter().filter(|a| **a > 7.0).count());
+        eprintln!(
+            "    patches {} participation {:.1} >=mean/10 {} >= 7 vertices {}",
+            areas.len(),
+            s * s / s2,
+            areas.iter().filter(|a| **a > 0.1 * s2 / s).count(),
+            areas.iter().filter(|a| **a > 7.0).count()
+        );
     }
     (areas.len() as f64).max(2.0)
 }

@@ -47,7 +47,9 @@ pub enum CompletionError {
         rims: usize,
     },
     /// A loop was asked for that is not there.
-    #[error("there is no boundary loop {id}: their numbers go from 0 to {last} (see the command holes)")]
+    #[error(
+        "there is no boundary loop {id}: their numbers go from 0 to {last} (see the command holes)"
+    )]
     NoSuchLoop {
         /// Number asked for.
         id: usize,
@@ -55,6 +57,8 @@ pub enum CompletionError {
         last: usize,
     },
     /// Nothing lies on the base to copy from.
-    #[error("no triangle of the scan lies on the base surface, so there is no relief to copy: choose another --base")]
+    #[error(
+        "no triangle of the scan lies on the base surface, so there is no relief to copy: choose another --base"
+    )]
     NoSamples,
 }

@@ -5,9 +5,7 @@ use crate::mesh::{BoundaryLoop, LoopKind, TriMesh};
 use crate::sampling::{Gap, is_bounded};
 
 use super::patch::{NumberedGap, Patch};
-use super::{
-    Clock, CompleteParams, CompletionError, HoleChoice, Input, SkippedHole, Work,
-};
+use super::{Clock, CompleteParams, CompletionError, HoleChoice, Input, SkippedHole, Work};
 
 /// A loop lies on a base surface if this share of its vertices does: a few may stand on spikes.
 const ON_BASE_SHARE: f64 = 0.9;

@@ -317,7 +317,10 @@ fn assemble(
         completed[..first].copy_from_slice(&marks);
         source[..first].copy_from_slice(&origins);
     }
-    #[expect(clippy::cast_possible_truncation, reason = "a float channel is asked for")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "a float channel is asked for"
+    )]
     let heights = all_heights.iter().map(|h| *h as f32).collect();
     out.vertices.set_channel(COMPLETED, Column::U8(completed));
     out.vertices.set_channel(HEIGHT, Column::F32(heights));
@@ -344,14 +347,22 @@ fn rename_foreign_channels(scan: &mut Scan) -> Option<(Vec<u8>, Vec<i32>)> {
     let rows = 0..scan.vertices.rows;
     let values = |name: &str| -> Option<Vec<f64>> {
         let channel = scan.vertices.channel(name)?;
-        rows.clone().map(|row| channel.values.get_f64(row)).collect()
+        rows.clone()
+            .map(|row| channel.values.get_f64(row))
+            .collect()
     };
-    let marks = values(COMPLETED)
-        .filter(|marks| marks.iter().all(|mark| mark.abs() <= 0.0 || (mark - 1.0).abs() <= 0.0));
+    let marks = values(COMPLETED).filter(|marks| {
+        marks
+            .iter()
+            .all(|mark| mark.abs() <= 0.0 || (mark - 1.0).abs() <= 0.0)
+    });
     let sources = values(SOURCE);
     if let (Some(marks), Some(sources), Some(_)) = (marks, sources, values(HEIGHT)) {
         let marks = marks.iter().map(|mark| u8::from(*mark > 0.5)).collect();
-        #[expect(clippy::cast_possible_truncation, reason = "vertex indices, saturating")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "vertex indices, saturating"
+        )]
         let sources = sources.iter().map(|source| *source as i32).collect();
         return Some((marks, sources));
     }

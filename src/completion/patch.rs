@@ -229,8 +229,8 @@ impl Patch {
             return;
         }
         let costs = matches.iter().flatten().map(|found| found.cost);
-        let vertices = canvas.first_target + gap.targets.start
-            ..canvas.first_target + gap.targets.end;
+        let vertices =
+            canvas.first_target + gap.targets.start..canvas.first_target + gap.targets.end;
         work.added.push(Added {
             points: canvas.points[vertices.clone()].to_vec(),
             heights: canvas.relief.heights[vertices.clone()].to_vec(),

@@ -1,0 +1,65 @@
+//! Values on the command line that are not plain numbers.
+
+use nalgebra::Vector3;
+use relievo::base::{BaseChoice, BaseKind};
+use relievo::completion::HoleChoice;
+use relievo::sampling::SpacingRule;
+use relievo::synth::Kind;
+
+pub(super) fn base(text: &str) -> Result<BaseChoice, String> {
+    Ok(match text {
+        "auto" => BaseChoice::Auto,
+        "plane" => BaseChoice::Kind(BaseKind::Plane),
+        "sphere" => BaseChoice::Kind(BaseKind::Sphere),
+        "cylinder" => BaseChoice::Kind(BaseKind::Cylinder),
+        "cone" => BaseChoice::Kind(BaseKind::Cone),
+        _ => return Err("expected auto, plane, sphere, cylinder or cone".into()),
+    })
+}
+
+pub(super) fn holes(text: &str) -> Result<HoleChoice, String> {
+    Ok(match text {
+        "interior" => HoleChoice::Interior,
+        "all" => HoleChoice::All,
+        "largest" => HoleChoice::Largest,
+        ids => HoleChoice::Ids(
+            ids.split(',')
+                .map(|id| id.trim().parse())
+                .collect::<Result<_, _>>()
+                .map_err(|_| {
+                    "expected interior, all, largest, or numbers with commas between".to_owned()
+                })?,
+        ),
+    })
+}
+
+pub(super) fn spacing(text: &str) -> Result<SpacingRule, String> {
+    match text {
+        "nyquist" => Ok(SpacingRule::Nyquist),
+        "scan" => Ok(SpacingRule::Scan),
+        length => match length.parse::<f64>() {
+            Ok(length) if length > 0.0 && length.is_finite() => Ok(SpacingRule::Length(length)),
+            _ => Err("expected nyquist, scan, or a positive length in the scan's unit".into()),
+        },
+    }
+}
+
+pub(super) fn vector(text: &str) -> Result<Vector3<f64>, String> {
+    let parts: Vec<f64> = text
+        .split(',')
+        .map(|part| part.trim().parse())
+        .collect::<Result<_, _>>()
+        .map_err(|_| "expected three numbers with commas between".to_owned())?;
+    match parts[..] {
+        [x, y, z] => Ok(Vector3::new(x, y, z)),
+        _ => Err("expected three numbers with commas between".into()),
+    }
+}
+
+pub(super) fn kind(text: &str) -> Result<Kind, String> {
+    let text = match text {
+        "golfball" => "golf-ball",
+        other => other,
+    };
+    text.parse().map_err(|error| format!("{error}"))
+}

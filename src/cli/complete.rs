@@ -1,0 +1,228 @@
+//! `relievo complete`
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::{Args, ValueEnum};
+use relievo::base::{BaseChoice, FitParams};
+use relievo::completion::{self, CompleteParams, CompletionError, CompletionReport, HoleChoice};
+use relievo::sampling::SpacingRule;
+use relievo::scan::{self, Format, OutputFile, WriteOptions};
+use relievo::stats;
+use serde_json::{Map, Value, json};
+
+use super::messages::Bar;
+use super::outcome::{Failure, Reply};
+use super::{Common, arguments};
+
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// The scan: PLY, OBJ, OFF or STL; - for PLY on standard input
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+    /// The completed scan: .ply, .obj or .stl; - for PLY on standard output
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// Base surface under the relief: auto, plane, sphere, cylinder or cone
+    #[arg(long, value_name = "KIND", default_value = "auto", value_parser = arguments::base)]
+    base: BaseChoice,
+    /// What to fill: interior (gaps, not outer rims), all (rims too, where the base closes), largest,
+    /// or numbers from `relievo holes`, as in 3,7
+    #[arg(long, value_name = "WHICH", default_value = "interior", value_parser = arguments::holes)]
+    holes: HoleChoice,
+    /// Continue over the rest of the base surface: of the sphere, of the cylinder's or cone's wall
+    /// between the scan's ends, of the plane's bounding rectangle
+    #[arg(long)]
+    extend: bool,
+    /// How to find matches
+    #[arg(long, value_enum, default_value_t = Method::Paper)]
+    method: Method,
+    /// Radius of a neighborhood, in edges
+    #[arg(long, value_name = "W", default_value_t = 5)]
+    window: usize,
+    /// Number of rotations in which a neighborhood is tried
+    #[arg(long, value_name = "R", default_value_t = 4)]
+    rotations: u32,
+    /// Pick at random among matches up to this share above the best
+    #[arg(long, value_name = "SHARE", default_value_t = 0.1)]
+    tolerance: f64,
+    /// Largest normalised cost of a match that is accepted at first; rises by 10 % when nothing is
+    #[arg(long, value_name = "E", default_value_t = 0.3)]
+    error_threshold: f64,
+    /// μ in (1 − μ)·shape + μ·colour: 0 matches by shape alone, 1 by colour alone [default: 0.5 with
+    /// colours, 0 without]
+    #[arg(long, value_name = "MU")]
+    shape_weight: Option<f64>,
+    /// Distance of new vertices: nyquist (the scan's short edges), scan (its median edge), or a
+    /// length in the scan's unit
+    #[arg(long, value_name = "RULE", default_value = "nyquist", value_parser = arguments::spacing)]
+    spacing: SpacingRule,
+    /// Let completed vertices become samples
+    #[arg(long)]
+    bootstrap: bool,
+    /// Write PLY as text
+    #[arg(long)]
+    ascii: bool,
+    /// Allow OUT to be the same file as IN
+    #[arg(long)]
+    overwrite: bool,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Method {
+    /// Breckon & Fisher 2005, step by step: every sample, every rotation
+    Paper,
+}
+
+impl Arguments {
+    pub(super) fn params(&self, seed: u32) -> CompleteParams {
+        CompleteParams {
+            fit: FitParams {
+                base: self.base,
+                seed,
+                ..FitParams::default()
+            },
+            holes: self.holes.clone(),
+            extend: self.extend,
+            window: self.window,
+            rotations: self.rotations,
+            tolerance: self.tolerance,
+            error_threshold: self.error_threshold,
+            mu: self.shape_weight,
+            spacing: self.spacing,
+            bootstrap: self.bootstrap,
+            seed,
+        }
+    }
+}
+
+pub(super) fn run(arguments: &Arguments, common: &Common) -> super::Result {
+    let params = arguments.params(common.seed);
+    let mut known = Map::new();
+    known.insert("input".into(), json!(arguments.input));
+    known.insert("output".into(), json!(arguments.output));
+    known.insert("method".into(), json!("paper"));
+    known.insert("seed".into(), json!(common.seed));
+    known.insert("parameters".into(), json!(params));
+    work(arguments, common, &params, &mut known).map_err(|failure| Failure {
+        json: known,
+        ..failure
+    })
+}
+
+fn work(
+    arguments: &Arguments,
+    common: &Common,
+    params: &CompleteParams,
+    known: &mut Map<String, Value>,
+) -> super::Result {
+    if arguments.output == PathBuf::from("-") && common.json == Some(PathBuf::from("-")) {
+        return Err(Failure::usage(
+            "-o - and --json - both want standard output: give one of them a file",
+        ));
+    }
+    let format = Format::of_path(&arguments.output).map_err(|error| Failure {
+        usage: true,
+        ..error.into()
+    })?;
+    if format == Format::Off {
+        return Err(Failure::usage(format!(
+            "{}: OFF is only read; write .ply, .obj or .stl",
+            arguments.output.display()
+        )));
+    }
+    let protected = (!arguments.overwrite).then_some(arguments.input.as_path());
+    let mut output = OutputFile::create(&arguments.output, protected)?;
+    let input = scan::read(&arguments.input)?;
+    let mut bar = Bar::new(common);
+    let completed = completion::complete(&input, params, &mut |progress| bar.show(progress));
+    drop(bar);
+    let completion = completed.map_err(|error| failed(error, arguments))?;
+    let report = &completion.report;
+    describe(report, known);
+    if report.filled.is_empty() {
+        let reasons: Vec<String> = (report.skipped.iter())
+            .map(|hole| format!("loop {}: {}", list(&hole.loops), hole.reason))
+            .collect();
+        let message = format!(
+            "{}: no hole could be filled; {}",
+            arguments.input.display(),
+            reasons.join("; ")
+        );
+        return Err(anyhow::Error::msg(message).into());
+    }
+    match stats::compare(&completion.scan) {
+        Ok(comparison) => {
+            known.insert("statistics".into(), json!(comparison));
+        }
+        // A fill without new vertices, or on bases of their own only, has nothing to compare.
+        Err(error) => log::info!("no statistics: {error}"),
+    }
+    let options = WriteOptions {
+        ascii: arguments.ascii,
+    };
+    let name = output.name().to_owned();
+    scan::write_to(&completion.scan, &mut output, format, &options, &name)?;
+    output.commit()?;
+    tell(report, common);
+    Ok(Reply {
+        partly: !report.skipped.is_empty(),
+        json: std::mem::take(known),
+        text: String::new(),
+    })
+}
+
+fn failed(error: CompletionError, arguments: &Arguments) -> Failure {
+    let usage = matches!(
+        error,
+        CompletionError::Parameter { .. } | CompletionError::NoSuchLoop { .. }
+    );
+    let error = Err::<(), _>(error).with_context(|| arguments.input.display().to_string());
+    match error {
+        Err(error) => Failure {
+            usage,
+            ..error.into()
+        },
+        Ok(()) => Failure::usage(""),
+    }
+}
+
+fn describe(report: &CompletionReport, known: &mut Map<String, Value>) {
+    if let Value::Object(members) = json!(report) {
+        known.extend(members);
+    }
+}
+
+/// A summary for people, on standard error: standard output may carry the scan.
+fn tell(report: &CompletionReport, common: &Common) {
+    if common.quiet {
+        return;
+    }
+    let counts = &report.counts;
+    let mut text = format!(
+        "relievo: {:?} base, relief {:.4} (RMS); {} of {} chosen gap(s) filled with {} vertices and {} faces",
+        report.fit.base.kind(),
+        report.fit.inlier_rms,
+        report.filled.len(),
+        report.filled.len() + report.skipped.len(),
+        counts.completed_vertices,
+        counts.completed_faces,
+    );
+    for hole in &report.skipped {
+        let _ = write!(
+            text,
+            "\nrelievo: loop {} left open: {}",
+            list(&hole.loops),
+            hole.reason
+        );
+    }
+    text.push('\n');
+    // Nowhere is left to report that standard error is closed.
+    let _ = std::io::Write::write_all(&mut std::io::stderr(), text.as_bytes());
+}
+
+fn list(ids: &[usize]) -> String {
+    let ids: Vec<String> = ids.iter().map(ToString::to_string).collect();
+    ids.join(", ")
+}

@@ -1,0 +1,137 @@
+//! The command line: one file a subcommand, arguments → params → one library call.
+//!
+//! stdout carries results only; messages, bars and errors go to stderr.
+
+mod arguments;
+mod complete;
+mod fit;
+mod holes;
+mod messages;
+mod outcome;
+mod stats;
+mod synth;
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+use outcome::{Outcome, Reply};
+
+/// Completes range scans: where the scanner saw nothing, the shape, the relief and the colour are
+/// restored, so that the completed part passes as original.
+///
+/// Exit codes: 0 done; 1 the work failed; 2 wrong usage; 3 partly done (some holes could not be
+/// filled, the JSON says which and why).
+#[derive(Debug, Parser)]
+#[command(name = "relievo", version, propagate_version = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Options that mean the same in every subcommand.
+#[derive(Debug, Clone, Args)]
+struct Common {
+    /// Seed of all random choices: the same seed gives the same bytes
+    #[arg(long, global = true, value_name = "N", default_value_t = 0)]
+    seed: u32,
+    /// Number of threads [default: all cores]; the result does not depend on it
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Write the results as JSON to FILE, or to standard output (-); also on failure
+    #[arg(long, global = true, value_name = "FILE|-")]
+    json: Option<std::path::PathBuf>,
+    /// Print errors only
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Print what is done at each step, and how long it takes
+    #[arg(short, long, global = true)]
+    verbose: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Complete the missing parts of a scan
+    Complete(complete::Arguments),
+    /// Fit a base surface: parameters, residuals, how the other kinds compare
+    Fit(fit::Arguments),
+    /// List every boundary loop: id, edges, length, area estimate, hole or outer rim
+    Holes(holes::Arguments),
+    /// Compare the original part of a completed scan with the completed part
+    Stats(stats::Arguments),
+    /// Make a test scan with known truth
+    Synth(synth::Arguments),
+}
+
+/// Runs the command line and gives its exit code.
+pub(crate) fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version are no errors and go to stdout; a closed pipe is not ours to report.
+            let _ = error.print();
+            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+        }
+    };
+    let common = cli.common;
+    messages::install(&common);
+    if let Some(threads) = common.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+        if let Err(error) = pool.build_global() {
+            log::warn!("--threads: {error}");
+        }
+    }
+    let (name, reply) = match cli.command {
+        Command::Complete(arguments) => ("complete", complete::run(&arguments, &common)),
+        Command::Fit(arguments) => ("fit", fit::run(&arguments, &common)),
+        Command::Holes(arguments) => ("holes", holes::run(&arguments)),
+        Command::Stats(arguments) => ("stats", stats::run(&arguments)),
+        Command::Synth(arguments) => ("synth", synth::run(&arguments, &common)),
+    };
+    Outcome::of(name, reply).deliver(&common)
+}
+
+/// What a subcommand gives back.
+type Result = std::result::Result<Reply, outcome::Failure>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_definition_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn bare_arguments_are_the_librarys_defaults() {
+        let params = |line: &str| match Cli::try_parse_from(line.split(' ')).unwrap().command {
+            Command::Complete(arguments) => arguments.params(0),
+            _ => unreachable!(),
+        };
+        let default = relievo::completion::CompleteParams::default();
+        assert_eq!(params("relievo complete in.ply -o out.ply"), default);
+        let all = params(
+            "relievo complete in.ply -o out.ply --base auto --holes interior --method paper \
+             --window 5 --rotations 4 --tolerance 0.1 --error-threshold 0.3 --spacing nyquist",
+        );
+        assert_eq!(all, default);
+    }
+
+    #[test]
+    fn bare_synth_arguments_are_the_librarys_defaults_but_for_the_hole() {
+        let cli = Cli::try_parse_from("relievo synth golf-ball -o out.ply".split(' ')).unwrap();
+        let Command::Synth(arguments) = cli.command else {
+            unreachable!();
+        };
+        let expected = relievo::synth::SynthParams {
+            part: relievo::synth::Part::hole(0.1),
+            ..Default::default()
+        };
+        assert_eq!(arguments.params(0), expected);
+    }
+}
