@@ -219,7 +219,7 @@ mod tests {
             first.vertices.column("x").unwrap().get_f64(0),
             Some(0.123_456_789_012_345_6)
         );
-        assert_eq!(first.colors().unwrap()[0], [0.5, 0.25, 1.0]);
+        assert_eq!(first.colors().unwrap()[..1], [[0.5, 0.25, 1.0]]);
         let mut out = Vec::new();
         write(&first, &mut out).unwrap();
         assert_eq!(String::from_utf8(out.clone()).unwrap(), text);
