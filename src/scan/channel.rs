@@ -62,6 +62,10 @@ macro_rules! match_column {
 
 /// A number of one of the file's types.
 pub(super) trait Scalar: Copy + Default + Into<f64> {
+    /// The same value: every type fits into `f64`.
+    fn exact(self) -> f64 {
+        self.into()
+    }
     /// The nearest value of the type; integers clamp to their range, and NaN becomes 0 there.
     fn rounded(value: f64) -> Self;
     /// Appends the little-endian bytes.
@@ -154,7 +158,7 @@ impl Column {
     /// The value of a row, exact; `None` for a list and past the end.
     #[must_use]
     pub fn get_f64(&self, row: usize) -> Option<f64> {
-        match_column!(self, values => values.get(row).map(|v| (*v).into()), _lists => None)
+        match_column!(self, values => values.get(row).copied().map(Scalar::exact), _lists => None)
     }
 
     /// The first row whose value is NaN or infinite; lists are not looked into.

@@ -5,9 +5,10 @@
 
 use std::io::{self, Write};
 
-use super::channel::Scalar;
+use super::channel::{Scalar, match_column};
+use super::color::ColorLayout;
 use super::text::{line_error, lines, number, shown, table_of_doubles};
-use super::{Scan, ScanError};
+use super::{Column, Scan, ScanError};
 
 /// Reads an OBJ file. Coordinates and colours become `double` channels. Texture coordinates,
 /// normals, lines, points, groups and materials are dropped with a warning.
@@ -139,9 +140,14 @@ impl Reader {
     }
 }
 
-/// Writes positions, colours (0 to 1) and faces.
+/// Writes positions, colours and faces. Whole-number colours become intensities from 0 to 1.
 pub(super) fn write(scan: &Scan, out: &mut impl Write) -> io::Result<()> {
-    let colors = scan.colors();
+    let layout = ColorLayout::of(&scan.vertices);
+    let colors: Vec<&Column> = layout
+        .iter()
+        .flat_map(|l| l.channels.map(|c| &scan.vertices.channels[c].values))
+        .collect();
+    let full = layout.map_or(1.0, |l| l.full);
     let mut line = Vec::new();
     for row in 0..scan.vertices.rows {
         line.clear();
@@ -153,9 +159,16 @@ pub(super) fn write(scan: &Scan, out: &mut impl Write) -> io::Result<()> {
                 push_value(column, row, &mut line);
             }
         }
-        for value in colors.iter().flat_map(|c| c[row]) {
+        for column in &colors {
             line.push(b' ');
-            <f32 as Scalar>::rounded(value).push_ascii(&mut line);
+            match column {
+                // Fractions stay as they were read, whatever their scale.
+                Column::F32(_) | Column::F64(_) => push_value(column, row, &mut line),
+                whole => {
+                    let intensity = whole.get_f64(row).unwrap_or(0.0) / full;
+                    <f32 as Scalar>::rounded(intensity).push_ascii(&mut line);
+                }
+            }
         }
         line.push(b'\n');
         out.write_all(&line)?;
@@ -173,8 +186,8 @@ pub(super) fn write(scan: &Scan, out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-fn push_value(column: &super::Column, row: usize, line: &mut Vec<u8>) {
-    super::channel::match_column!(
+fn push_value(column: &Column, row: usize, line: &mut Vec<u8>) {
+    match_column!(
         column,
         values => values[row].push_ascii(line),
         _lists => {}
@@ -219,11 +232,28 @@ mod tests {
             first.vertices.column("x").unwrap().get_f64(0),
             Some(0.123_456_789_012_345_6)
         );
-        assert_eq!(first.colors().unwrap()[0], [0.5, 0.25, 1.0]);
+        assert_eq!(first.colors().unwrap()[..1], [[0.5, 0.25, 1.0]]);
         let mut out = Vec::new();
         write(&first, &mut out).unwrap();
         assert_eq!(String::from_utf8(out.clone()).unwrap(), text);
         assert_eq!(read(&out, "b.obj").unwrap(), first);
+    }
+
+    #[test]
+    fn colors_keep_their_digits_and_their_scale() {
+        let text = "v 0 0 0 0.12345678901 0 1\n";
+        for text in [text, "v 0 0 0 255 127.5 0\n"] {
+            let mut out = Vec::new();
+            write(&scan(text).unwrap(), &mut out).unwrap();
+            assert_eq!(String::from_utf8(out).unwrap(), text);
+        }
+        let mut bytes = scan(text).unwrap();
+        for name in ["red", "green", "blue"] {
+            bytes.vertices.set_channel(name, Column::U8(vec![51]));
+        }
+        let mut out = Vec::new();
+        write(&bytes, &mut out).unwrap();
+        assert_eq!(out, b"v 0 0 0 0.2 0.2 0.2\n");
     }
 
     #[test]

@@ -243,9 +243,9 @@ mod tests {
             whole.vertices.column("alpha"),
             Some(&Column::U8(vec![255, 255]))
         );
-        assert_eq!(whole.colors().unwrap()[0], [1.0, 0.0, 0.2]);
+        assert_eq!(whole.colors().unwrap()[..1], [[1.0, 0.0, 0.2]]);
         let parts = scan("OFF\n2 0 0\n0 0 0 1.0 0 0.5\n1 0 0 0 0 0\n").unwrap();
-        assert_eq!(parts.colors().unwrap()[0], [1.0, 0.0, 0.5]);
+        assert_eq!(parts.colors().unwrap()[..1], [[1.0, 0.0, 0.5]]);
         let normals = scan("CNOFF\n1 0 0\n0 0 0 0 0 1 9 8 7\n").unwrap();
         assert_eq!(normals.vertices.column("nz"), Some(&Column::F64(vec![1.0])));
         assert_eq!(normals.vertices.column("green"), Some(&Column::U8(vec![8])));

@@ -38,6 +38,7 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<Scan, ScanError> {
         encoding,
         rest: &bytes[start..],
         file: name,
+        overlong: 0,
     };
     for element in &elements {
         if element.name == "face" {
@@ -58,6 +59,18 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<Scan, ScanError> {
                 scan.other_elements.push((element.name.clone(), table));
             }
         }
+    }
+    if payload.overlong > 0 {
+        log::warn!(
+            "{name}: {} rows have more values than the header says; the last ones are ignored",
+            payload.overlong
+        );
+    }
+    if !payload.rest.trim_ascii().is_empty() {
+        log::warn!(
+            "{name}: {} bytes behind the last row are ignored",
+            payload.rest.len()
+        );
     }
     if scan.face_channels.channels.is_empty() {
         scan.face_channels = Table::default();
@@ -84,6 +97,8 @@ struct Payload<'a> {
     encoding: Encoding,
     rest: &'a [u8],
     file: &'a str,
+    /// Number of ASCII rows with more values than properties.
+    overlong: usize,
 }
 
 /// Why a row could not be read.
@@ -207,6 +222,7 @@ impl Payload<'_> {
                 Err(Some(reason)) => return Err(RowError::Malformed(reason)),
             }
         }
+        self.overlong += usize::from(tokens.next().is_some());
         Ok(values)
     }
 }

@@ -83,6 +83,11 @@ fn definition(name: &str, table: &Table) -> ElementDef {
             .properties
             .add(PropertyDef::new(channel.name.clone(), data_type));
     }
+    debug_assert_eq!(
+        element.properties.len(),
+        table.channels.len(),
+        "names of channels differ"
+    );
     element
 }
 

@@ -1,7 +1,7 @@
 //! STL: triangles in ASCII or binary; corners at the same place become one vertex.
 //!
-//! Our own parser, since `stl_io` refuses files whose size does not match to the byte, stores text
-//! as `f32`, and reports errors without saying where.
+//! Our own parser, since `stl_io` rounds the numbers of text to `f32`, takes every binary
+//! file that begins with `solid` for text, and does not say where a file is broken.
 
 use std::collections::HashMap;
 use std::io::{self, Write};
