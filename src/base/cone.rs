@@ -16,16 +16,16 @@ const SLIM: f64 = 0.1;
 const MIN_HALF_ANGLE: f64 = 1e-6;
 
 /// From the normals (their tips lie in a plane across the axis, and their tangent planes meet in the
-/// apex); slim cones both ways about `cylinders`; then the cones with random triples of tangent
+/// apex); slim cones both ways about `cylinder`; then the cones with random triples of tangent
 /// planes.
 pub(super) fn starts(
     samples: &Samples,
-    cylinders: &[Cylinder],
+    cylinder: Option<&Cylinder>,
     random: usize,
     rng: &mut Rng,
 ) -> Vec<BaseSurface> {
     let mut starts: Vec<_> = from_normals(samples).into_iter().collect();
-    for cylinder in cylinders {
+    if let Some(cylinder) = cylinder {
         for axis in [cylinder.axis, -cylinder.axis] {
             starts.push(BaseSurface::Cone(Cone {
                 apex: cylinder.point - axis.scale(cylinder.radius / SLIM.tan()),

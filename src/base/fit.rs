@@ -30,6 +30,12 @@ const SEARCH_EFFORT: Effort = Effort {
     tolerance: 1e-3,
 };
 
+/// All kinds are fitted to all vertices as well as this to be compared; the chosen one goes on.
+const RANKING_EFFORT: Effort = Effort {
+    iterations: 20,
+    tolerance: 1e-5,
+};
+
 /// Largest change of any height, as a share of half the diagonal, at which the fit has converged:
 /// parameters of a sixty degree patch are then good to about 1e-10.
 const TOLERANCE: f64 = 1e-11;
@@ -46,7 +52,8 @@ const TOLERANCE: f64 = 1e-11;
 /// With [`BaseChoice::Auto`] the kind with the least n ln ρ̄ + k ln n is chosen ([`Candidate`]): a
 /// Bayesian information criterion in which n is not the number of vertices, whose heights are
 /// correlated in any relief, but the number of patches of the mesh on which the best-fitting
-/// surface's heights have one sign. Surfaces that a simpler kind describes as well are excluded
+/// surface's heights have one sign. With two or three patches, it takes little to be preferred: a
+/// plane with a single wave across it may be called a cylinder. Surfaces that a simpler kind describes as well are excluded
 /// ([`super::Degenerate`]).
 ///
 /// The result does not depend on the number of threads. The plane's normal points to the side that
@@ -64,8 +71,8 @@ pub fn fit(mesh: &TriMesh, params: &FitParams) -> Result<FitReport, FitError> {
         return Err(FitError::BadScale(scale));
     }
     let mesh = Normalized::new(mesh, params.weighting)?;
-    let fits = fit_kinds(&mesh, params)?;
-    let heights: Vec<Vec<f64>> = fits
+    let mut fits = fit_kinds(&mesh, params)?;
+    let mut heights: Vec<Vec<f64>> = fits
         .iter()
         .map(|f| mesh.samples.heights(&f.surface))
         .collect();
@@ -87,6 +94,9 @@ pub fn fit(mesh: &TriMesh, params: &FitParams) -> Result<FitReport, FitError> {
         let excluded = excluded[a].is_some().cmp(&excluded[b].is_some());
         excluded.then(criteria[a].total_cmp(&criteria[b]))
     });
+    let best = order[0];
+    finish(&mut fits[best], &mesh, params);
+    heights[best] = mesh.samples.heights(&fits[best].surface);
     let candidate = |&i: &usize| Candidate {
         base: oriented(&mesh, &fits[i].surface),
         rms: mesh.unit * rms(&heights[i], &mesh.samples.weights),
@@ -96,7 +106,6 @@ pub fn fit(mesh: &TriMesh, params: &FitParams) -> Result<FitReport, FitError> {
         reason: fits[i].reason,
     };
     let ranking = order.iter().map(candidate).collect();
-    let best = order[0];
     Ok(report(
         &mesh,
         &fits[best],
@@ -129,14 +138,26 @@ fn fit_kinds(mesh: &Normalized, params: &FitParams) -> Result<Vec<Refined>, FitE
     }
     let sigma = params.scale.map(|s| s / mesh.unit);
     let effort = Effort {
-        iterations: params.max_iterations,
-        tolerance: TOLERANCE,
+        iterations: params.max_iterations.min(RANKING_EFFORT.iterations),
+        ..RANKING_EFFORT
+    };
+    let samples = &mesh.samples;
+    let search = |kind, cylinder: Option<&Cylinder>| search(samples, kind, cylinder, params, sigma);
+    let round = kinds
+        .iter()
+        .any(|k| matches!(k, BaseKind::Cylinder | BaseKind::Cone));
+    let cylinder = match round.then(|| search(BaseKind::Cylinder, None)).flatten() {
+        Some(BaseSurface::Cylinder(cylinder)) => Some(cylinder),
+        _ => None,
     };
     let fits: Vec<Option<Refined>> = kinds
         .par_iter()
         .map(|&kind| {
-            let start = search(&mesh.samples, kind, params, sigma)?;
-            let refined = refine(&start, &mesh.samples, params.loss, sigma, effort);
+            let start = match kind {
+                BaseKind::Cylinder => cylinder.map(BaseSurface::Cylinder),
+                _ => search(kind, cylinder.as_ref()),
+            };
+            let refined = refine(&start?, samples, params.loss, sigma, effort);
             is_finite(&refined.surface).then_some(refined)
         })
         .collect();
@@ -147,10 +168,24 @@ fn fit_kinds(mesh: &Normalized, params: &FitParams) -> Result<Vec<Refined>, FitE
     Ok(fits)
 }
 
+/// Takes the fit that was good enough for comparison to the minimum.
+fn finish(fit: &mut Refined, mesh: &Normalized, params: &FitParams) {
+    let effort = Effort {
+        iterations: params.max_iterations,
+        tolerance: TOLERANCE,
+    };
+    let sigma = params.scale.map(|s| s / mesh.unit);
+    let finished = refine(&fit.surface, &mesh.samples, params.loss, sigma, effort);
+    if is_finite(&finished.surface) {
+        *fit = finished;
+    }
+}
+
 /// The best start of a kind, refined on some of the vertices.
 fn search(
     samples: &Samples,
     kind: BaseKind,
+    cylinder: Option<&Cylinder>,
     params: &FitParams,
     sigma: Option<f64>,
 ) -> Option<BaseSurface> {
@@ -162,14 +197,7 @@ fn search(
         BaseKind::Plane => plane::starts(&thin, params.starts, &mut rng),
         BaseKind::Sphere => sphere::starts(&thin, params.starts, &mut rng),
         BaseKind::Cylinder => cylinder::starts(&thin, params.starts, &mut rng),
-        BaseKind::Cone => {
-            let cylinder = search(samples, BaseKind::Cylinder, params, sigma);
-            let cylinders: Vec<Cylinder> = match cylinder {
-                Some(BaseSurface::Cylinder(c)) => vec![c],
-                _ => Vec::new(),
-            };
-            cone::starts(&thin, &cylinders, params.starts, &mut rng)
-        }
+        BaseKind::Cone => cone::starts(&thin, cylinder, params.starts, &mut rng),
     };
     let mut scored: Vec<(f64, usize)> = starts
         .iter()

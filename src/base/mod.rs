@@ -18,6 +18,8 @@ mod cone;
 mod refine;
 mod select;
 mod fit;
+#[cfg(test)]
+mod tests;
 
 pub use error::FitError;
 pub use fit::fit;

@@ -60,7 +60,8 @@ pub(super) fn refine(
 }
 
 fn plain(model: &mut dyn Model, samples: &Samples, effort: Effort) -> Refined {
-    let tolerance = 4.0 * f64::EPSILON;
+    // The sum of squares is flat at its minimum: its tolerance is finer than that of the heights.
+    let tolerance = (1e-3 * effort.tolerance).max(4.0 * f64::EPSILON);
     let weights = &samples.weights;
     let (iterations, reason) = least_squares(model, samples, weights, tolerance, effort.iterations);
     let surface = model.surface();
@@ -139,8 +140,7 @@ impl Reweighting<'_> {
         let sigma = self.sigma;
         self.weights
             .extend(pairs.map(|(h, w)| w * tukey_weight(h - center, sigma)));
-        let (_, reason) =
-            least_squares(self.model, self.samples, &self.weights, 1e-9, INNER_STEPS);
+        let (_, reason) = least_squares(self.model, self.samples, &self.weights, 1e-6, INNER_STEPS);
         (self.measure(), reason)
     }
 }

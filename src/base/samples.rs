@@ -191,10 +191,7 @@ impl Samples {
 
     /// Signed heights over a surface.
     pub(super) fn heights(&self, surface: &BaseSurface) -> Vec<f64> {
-        self.points
-            .iter()
-            .map(|p| surface.foot(p).height)
-            .collect()
+        self.points.iter().map(|p| surface.foot(p).height).collect()
     }
 
     /// About `count` samples of equal weight: one in each stretch of equal weight, in order, at a
@@ -230,7 +227,9 @@ mod tests {
     fn thinning_follows_the_weights() {
         let n = 10_000;
         let samples = Samples {
-            points: (0..n).map(|i| Point3::new(f64::from(i), 0.0, 0.0)).collect(),
+            points: (0..n)
+                .map(|i| Point3::new(f64::from(i), 0.0, 0.0))
+                .collect(),
             normals: vec![Vector3::x(); 10_000],
             weights: (0..n).map(|i| if i < 5_000 { 3.0 } else { 1.0 }).collect(),
         };

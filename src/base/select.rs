@@ -17,6 +17,9 @@ const MAX_BEHIND: f64 = 0.1;
 /// Differences of fit below this, in half diagonals, are no evidence for anything.
 const LEAST_SCALE: f64 = 1e-6;
 
+/// Patches smaller than this share of the typical one do not count as independent.
+const SPECK: f64 = 0.1;
+
 /// Number of parameters of a surface.
 pub(super) fn parameters(kind: BaseKind) -> usize {
     match kind {
@@ -115,14 +118,17 @@ fn independent(mesh: &Normalized, heights: &[f64]) -> f64 {
         }
     }
     let areas = patches.weights(&mesh.samples.weights);
-    if std::env::var("NEFF").is_ok() {
-        let s: f64 = areas.iter().sum();
-        let s2: f64 = areas.iter().map(|a| a * a).sum();
-        let mean = s / areas.len() as f64;
-        eprintln!("    patches {} participation {:.1} >=mean/10 {} >= 7 vertices {}", areas.len(), s*s/s2,
-            areas.iter().filter(|a| **a > 0.1*s2/s).count(), areas.iter().filter(|a| **a > 7.0).count());
-    }
-    (areas.len() as f64).max(2.0)
+    let count = |areas: &[f64]| {
+        // The mean patch of a random vertex. Noise sprinkles specks along the borders of patches,
+        // which would otherwise pass for a wealth of evidence.
+        let typical = areas.iter().map(|a| a * a).sum::<f64>() / areas.iter().sum::<f64>();
+        areas.iter().filter(|a| **a >= SPECK * typical).count()
+    };
+    // Each sign by itself: the land between dimples is one, however many these are.
+    let (high, low): (Vec<_>, Vec<_>) = areas.iter().partition(|(root, _)| above[*root as usize]);
+    let [high, low] = [high, low].map(|side| side.into_iter().map(|(_, a)| a).collect::<Vec<_>>());
+    let count = count(&high) + count(&low);
+    (count as f64).max(2.0)
 }
 
 /// Union-find over vertices.
@@ -152,8 +158,8 @@ impl Patches {
         self.parent[i.max(j) as usize] = i.min(j);
     }
 
-    /// Weight of each patch, by ascending root.
-    fn weights(mut self, weights: &[f64]) -> Vec<f64> {
+    /// Root and weight of each patch, by ascending root.
+    fn weights(mut self, weights: &[f64]) -> Vec<(u32, f64)> {
         let mut sums = vec![0.0; self.parent.len()];
         for (i, w) in (0u32..).zip(weights) {
             sums[self.root(i) as usize] += w;
@@ -161,7 +167,6 @@ impl Patches {
         (0u32..)
             .zip(sums)
             .filter(|(i, _)| self.parent[*i as usize] == *i)
-            .map(|(_, sum)| sum)
             .collect()
     }
 }
