@@ -4,19 +4,23 @@ use nalgebra::{Matrix3, Point3, Unit, Vector3};
 
 use super::axis::Axis;
 use super::model::Model;
-use super::samples::Samples;
+use super::samples::{Samples, covariance};
 use super::{BaseSurface, Cone, Cylinder};
 use crate::rng::Rng;
 
 /// Half angle, in radians, of the slim cones started from each cylinder.
 const SLIM: f64 = 0.1;
 
+/// Half angle, in radians, of the wide cones started from the plane of least squares.
+const WIDE: f64 = 1.4;
+
 /// Least half angle, in radians, that is given back: the tip of a slimmer cone is so far away that
 /// its rounding would be seen in the heights.
 const MIN_HALF_ANGLE: f64 = 1e-6;
 
 /// From the normals (their tips lie in a plane across the axis, and their tangent planes meet in the
-/// apex); slim cones both ways about `cylinder`; then the cones with random triples of tangent
+/// apex); slim cones both ways about `cylinder`; wide
+/// ones both ways on the plane of least variance; then the cones with random triples of tangent
 /// planes.
 pub(super) fn starts(
     samples: &Samples,
@@ -34,6 +38,16 @@ pub(super) fn starts(
             }));
         }
     }
+    let mean = samples.mean();
+    let points = samples.points.iter().zip(&samples.weights);
+    let [normal, ..] = covariance(points.map(|(p, w)| (p - mean, *w)));
+    for axis in [normal, -normal] {
+        starts.push(BaseSurface::Cone(Cone {
+            apex: mean,
+            axis: Unit::new_normalize(axis),
+            half_angle: WIDE,
+        }));
+    }
     for _ in 0..random {
         let picks = [(); 3].map(|()| rng.index(samples.points.len()));
         starts.extend(through_triple(samples, picks));
@@ -45,7 +59,7 @@ fn from_normals(samples: &Samples) -> Option<BaseSurface> {
     let total: f64 = samples.weights.iter().sum();
     let weighted = || samples.normals.iter().zip(&samples.weights);
     let mean = weighted().map(|(n, w)| n * *w).sum::<Vector3<f64>>() / total;
-    let [axis, ..] = super::samples::covariance(weighted().map(|(n, w)| (n - mean, *w)));
+    let [axis, ..] = covariance(weighted().map(|(n, w)| (n - mean, *w)));
     let mut matrix = Matrix3::zeros();
     let mut right = Vector3::zeros();
     for ((n, w), p) in weighted().zip(&samples.points) {

@@ -22,7 +22,7 @@ const SEARCH_VERTICES: usize = 2000;
 
 /// Starts that are refined: the first ones, which are algebraic fits to all vertices, and those
 /// with the best scores.
-const ALGEBRAIC_STARTS: usize = 3;
+const ALGEBRAIC_STARTS: usize = 5;
 const SCORED_STARTS: usize = 6;
 
 const SEARCH_EFFORT: Effort = Effort {
@@ -49,7 +49,7 @@ const TOLERANCE: f64 = 1e-11;
 /// belongs to it. Where relief is one-sided, the fit may settle on the level that most of the
 /// vertices share (the land between a golf ball's dimples).
 ///
-/// With [`BaseChoice::Auto`] the kind with the least n ln ρ̄ + k ln n is chosen ([`Candidate`]): a
+/// With [`BaseChoice::Auto`] the kind with the least 2 n ρ̄ + k ln n is chosen ([`Candidate`]): a
 /// Bayesian information criterion in which n is not the number of vertices, whose heights are
 /// correlated in any relief, but the number of patches of the mesh on which the best-fitting
 /// surface's heights have one sign. With two or three patches, it takes little to be preferred: a

@@ -13,7 +13,7 @@ const ROUNDING: f64 = 1e-13;
 const MAX_RESCALINGS: usize = 20;
 
 /// The scale counts as found when a reweighting changes it by less than this share.
-const SCALE_TOLERANCE: f64 = 0.01;
+const SCALE_TOLERANCE: f64 = 1e-3;
 
 /// Least-squares steps between two reweightings; one is nearly enough near the minimum.
 const INNER_STEPS: usize = 5;

@@ -48,7 +48,8 @@ pub enum Degenerate {
     BehindApex,
 }
 
-/// A fitted surface of one kind.
+/// A fitted surface of one kind; all but the chosen one are refined only as far as the comparison
+/// needs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
     /// The surface, in the mesh's coordinates.
@@ -58,9 +59,9 @@ pub struct Candidate {
     /// Robust standard deviation of the heights, in the scan's unit; see
     /// [`super::FitParams::scale`].
     pub scale: f64,
-    /// The lower, the better: n ln ρ̄ + k ln n, with k parameters (plane 3, sphere 4, cylinder 5,
-    /// cone 6), ρ̄ the mean loss of the heights at the scale of the best candidate, and n the number
-    /// of independent pieces of relief; see [`super::fit`].
+    /// The lower, the better: 2 n ρ̄ + k ln n, with k parameters (plane 3, sphere 4, cylinder 5, cone
+    /// 6), ρ̄ the mean of ln(1 + (height / σ)²) at the scale σ of the best candidate, and n the
+    /// number of independent pieces of relief; see [`super::fit`].
     pub criterion: f64,
     /// Set if it is excluded.
     pub degenerate: Option<Degenerate>,

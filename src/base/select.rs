@@ -1,6 +1,5 @@
 //! Which kind of surface: a criterion that does not reward needless parameters.
 
-use super::robust::tukey_loss;
 use super::samples::{Normalized, Samples};
 use super::{BaseKind, BaseSurface, Degenerate};
 
@@ -71,9 +70,12 @@ pub(super) struct Fitted<'a> {
 
 /// The criterion of each candidate, and the number n of independent pieces of relief in it.
 ///
-/// n ln ρ̄ + k ln n, the Bayesian information criterion (Schwarz 1978) with a robust loss in place
-/// of the square and a number of observations that heeds that neighboring heights are not
-/// independent: n is the number of patches of equal sign of the best-fitting candidate.
+/// 2 n ρ̄ + k ln n, the Bayesian information criterion (Schwarz 1978) with two changes. The heights
+/// are taken to follow a Cauchy distribution of the best candidate's scale, ρ = ln(1 + (h/σ)²), so
+/// that stray pieces count little but a surface that misses them by less still counts as better
+/// (a bounded loss preferred a plane to the cylinder of a tower with half its vertices off it). And
+/// the number of observations heeds that neighboring heights are not independent: n is the number
+/// of patches of equal sign of the best-fitting candidate.
 pub(super) fn criteria(mesh: &Normalized, fitted: &[Fitted<'_>]) -> (Vec<f64>, f64) {
     let weights = &mesh.samples.weights;
     let total: f64 = weights.iter().sum();
@@ -87,19 +89,20 @@ pub(super) fn criteria(mesh: &Normalized, fitted: &[Fitted<'_>]) -> (Vec<f64>, f
         .iter()
         .map(|f| {
             let pairs = f.heights.iter().zip(weights);
-            pairs.map(|(h, w)| w * tukey_loss(*h, sigma)).sum::<f64>() / total
+            pairs
+                .map(|(h, w)| w * (h / sigma).powi(2).ln_1p())
+                .sum::<f64>()
+                / total
         })
         .collect();
     let best = (0..fitted.len())
         .filter(|&i| !fitted[i].excluded)
         .min_by(|&a, &b| losses[a].total_cmp(&losses[b]));
     let n = best.map_or(2.0, |i| independent(mesh, fitted[i].heights));
-    // A loss that is only rounding is as good as the least scale.
-    let floor = (LEAST_SCALE / sigma).powi(2) * 1e-2;
     let criteria = fitted
         .iter()
         .zip(&losses)
-        .map(|(f, loss)| n * (loss + floor).ln() + parameters(f.kind) as f64 * n.ln())
+        .map(|(f, loss)| 2.0 * n * loss + parameters(f.kind) as f64 * n.ln())
         .collect();
     (criteria, n)
 }
