@@ -40,6 +40,9 @@ const RANKING_EFFORT: Effort = Effort {
 /// parameters of a sixty degree patch are then good to about 1e-10.
 const TOLERANCE: f64 = 1e-11;
 
+/// Centers and tips farther away, in half diagonals, leave less than nine digits of the heights.
+const MAX_DISTANCE: f64 = 1e7;
+
 /// Fits a base surface to the vertices of a mesh that its triangles use.
 ///
 /// Each kind is fitted by its orthogonal distance: algebraic fits and random minimal subsets are
@@ -61,8 +64,9 @@ const TOLERANCE: f64 = 1e-11;
 /// largest component of a cylinder's axis is positive.
 ///
 /// # Errors
-/// If the vertices are too few, not finite, at one place or on one line, or a triangle names a
-/// vertex that does not exist. That the iteration did not converge, or that the surface fits badly,
+/// If the vertices are too few, not finite, at one place or on one line, if a triangle names a vertex
+/// that does not exist, or if the kind asked for is not determined (a sphere through the vertices of
+/// a plane). That the iteration did not converge, or that the surface fits badly,
 /// is in the report.
 pub fn fit(mesh: &TriMesh, params: &FitParams) -> Result<FitReport, FitError> {
     if let Some(scale) = params.scale
@@ -84,7 +88,6 @@ pub fn fit(mesh: &TriMesh, params: &FitParams) -> Result<FitReport, FitError> {
         .map(|i| Fitted {
             kind: fits[i].surface.kind(),
             heights: &heights[i],
-            sigma: fits[i].sigma,
             excluded: excluded[i].is_some(),
         })
         .collect();
@@ -158,7 +161,7 @@ fn fit_kinds(mesh: &Normalized, params: &FitParams) -> Result<Vec<Refined>, FitE
                 _ => search(kind, cylinder.as_ref()),
             };
             let refined = refine(&start?, samples, params.loss, sigma, effort);
-            is_finite(&refined.surface).then_some(refined)
+            is_usable(&refined.surface).then_some(refined)
         })
         .collect();
     let fits: Vec<_> = fits.into_iter().flatten().collect();
@@ -176,7 +179,7 @@ fn finish(fit: &mut Refined, mesh: &Normalized, params: &FitParams) {
     };
     let sigma = params.scale.map(|s| s / mesh.unit);
     let finished = refine(&fit.surface, &mesh.samples, params.loss, sigma, effort);
-    if is_finite(&finished.surface) {
+    if is_usable(&finished.surface) {
         *fit = finished;
     }
 }
@@ -213,7 +216,7 @@ fn search(
     chosen
         .into_iter()
         .map(|i| refine(&starts[i], &thin, params.loss, sigma, SEARCH_EFFORT))
-        .filter(|r| is_finite(&r.surface))
+        .filter(|r| is_usable(&r.surface))
         .map(|r| (quality(&thin, &r, params.loss), r.surface))
         .filter(|(quality, _)| quality.is_finite())
         .min_by(|a, b| a.0.total_cmp(&b.0))
@@ -250,9 +253,16 @@ fn rms(heights: &[f64], weights: &[f64]) -> f64 {
     (sum / weights.iter().sum::<f64>()).sqrt()
 }
 
-fn is_finite(surface: &BaseSurface) -> bool {
+/// Whether heights over the surface can be computed: finite and not from too far away.
+fn is_usable(surface: &BaseSurface) -> bool {
+    let far = match surface {
+        BaseSurface::Plane(plane) => plane.point.coords.norm(),
+        BaseSurface::Sphere(sphere) => sphere.center.coords.norm().max(sphere.radius),
+        BaseSurface::Cylinder(cylinder) => cylinder.point.coords.norm().max(cylinder.radius),
+        BaseSurface::Cone(cone) => cone.apex.coords.norm(),
+    };
     let foot = surface.foot(&Point3::origin());
-    foot.height.is_finite() && foot.normal.iter().all(|x| x.is_finite())
+    far < MAX_DISTANCE && foot.height.is_finite() && foot.normal.iter().all(|x| x.is_finite())
 }
 
 /// In the mesh's coordinates; a plane's point next to the centroid and its normal to the side that

@@ -15,6 +15,11 @@ const MAX_RESCALINGS: usize = 20;
 /// The scale counts as found when a reweighting changes it by less than this share.
 const SCALE_TOLERANCE: f64 = 1e-3;
 
+/// While the scale of a minority is estimated, only the innermost part of it counts, about as many
+/// as [`super::robust::LEAST_SHARE`]: the concentration steps of Rousseeuw & Van Driessen 1999, which
+/// walk away from surroundings that cross the surface at a slant.
+const CONCENTRATION: f64 = 0.4;
+
 /// Least-squares steps between two reweightings; one is nearly enough near the minimum.
 const INNER_STEPS: usize = 5;
 
@@ -97,7 +102,8 @@ impl Reweighting<'_> {
             if (self.sigma - before).abs() <= SCALE_TOLERANCE * self.sigma {
                 break;
             }
-            self.step(found.center);
+            let narrowed = if found.minority { CONCENTRATION } else { 1.0 };
+            self.step(found.center, narrowed * self.sigma);
             iterations += 1;
         }
         if let Some(sigma) = fixed_sigma {
@@ -105,7 +111,7 @@ impl Reweighting<'_> {
         }
         while iterations < effort.iterations {
             iterations += 1;
-            let (change, step) = self.step(0.0);
+            let (change, step) = self.step(0.0, self.sigma);
             if step == StopReason::Numerical {
                 reason = step;
                 break;
@@ -133,11 +139,10 @@ impl Reweighting<'_> {
         change
     }
 
-    /// One reweighting about `center`; returns the largest change of a height.
-    fn step(&mut self, center: f64) -> (f64, StopReason) {
+    /// One reweighting about `center` with scale `sigma`; returns the largest change of a height.
+    fn step(&mut self, center: f64, sigma: f64) -> (f64, StopReason) {
         self.weights.clear();
         let pairs = self.heights.iter().zip(&self.samples.weights);
-        let sigma = self.sigma;
         self.weights
             .extend(pairs.map(|(h, w)| w * tukey_weight(h - center, sigma)));
         let (_, reason) = least_squares(self.model, self.samples, &self.weights, 1e-6, INNER_STEPS);

@@ -60,7 +60,8 @@ pub struct Candidate {
     /// [`super::FitParams::scale`].
     pub scale: f64,
     /// The lower, the better: 2 n ρ̄ + k ln n, with k parameters (plane 3, sphere 4, cylinder 5, cone
-    /// 6), ρ̄ the mean of ln(1 + (height / σ)²) at the scale σ of the best candidate, and n the
+    /// 6), ρ̄ the mean of ln(1 + (height / σ)²), σ the least scale of all candidates (from the
+    /// median absolute deviation), and n the
     /// number of independent pieces of relief; see [`super::fit`].
     pub criterion: f64,
     /// Set if it is excluded.

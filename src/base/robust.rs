@@ -28,6 +28,10 @@ pub(super) struct Spread {
     pub(super) center: f64,
     /// Robust standard deviation about it.
     pub(super) sigma: f64,
+    /// That of all heights, if a majority is on the surface: from the MAD.
+    pub(super) wide: f64,
+    /// Whether `sigma` is that of a minority.
+    pub(super) minority: bool,
 }
 
 /// Location and scale of weighted heights: median and MAD, or, if the heights pile up in a band
@@ -53,6 +57,8 @@ pub(super) fn spread(heights: &[f64], weights: &[f64]) -> Spread {
         return Spread {
             center: 0.0,
             sigma: 0.0,
+            wide: 0.0,
+            minority: false,
         };
     };
     let wide = MAD_TO_SIGMA * median_deviation(&sorted, middle, 0.5 * total);
@@ -62,11 +68,15 @@ pub(super) fn spread(heights: &[f64], weights: &[f64]) -> Spread {
         Spread {
             center: 0.5 * (low + high),
             sigma: MINORITY_TO_SIGMA * half,
+            wide,
+            minority: true,
         }
     } else {
         Spread {
             center: median,
             sigma: wide,
+            wide,
+            minority: false,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Which kind of surface: a criterion that does not reward needless parameters.
 
+use super::robust::spread;
 use super::samples::{Normalized, Samples};
 use super::{BaseKind, BaseSurface, Degenerate};
 
@@ -64,14 +65,13 @@ pub(super) fn degenerate(surface: &BaseSurface, samples: &Samples) -> Option<Deg
 pub(super) struct Fitted<'a> {
     pub(super) kind: BaseKind,
     pub(super) heights: &'a [f64],
-    pub(super) sigma: f64,
     pub(super) excluded: bool,
 }
 
 /// The criterion of each candidate, and the number n of independent pieces of relief in it.
 ///
 /// 2 n ρ̄ + k ln n, the Bayesian information criterion (Schwarz 1978) with two changes. The heights
-/// are taken to follow a Cauchy distribution of the best candidate's scale, ρ = ln(1 + (h/σ)²), so
+/// are taken to follow a Cauchy distribution, ρ = ln(1 + (h/σ)²), with the least MAD as its scale, so
 /// that stray pieces count little but a surface that misses them by less still counts as better
 /// (a bounded loss preferred a plane to the cylinder of a tower with half its vertices off it). And
 /// the number of observations heeds that neighboring heights are not independent: n is the number
@@ -82,7 +82,7 @@ pub(super) fn criteria(mesh: &Normalized, fitted: &[Fitted<'_>]) -> (Vec<f64>, f
     let sigma = fitted
         .iter()
         .filter(|f| !f.excluded)
-        .map(|f| f.sigma)
+        .map(|f| spread(f.heights, weights).wide)
         .fold(f64::INFINITY, f64::min)
         .max(LEAST_SCALE);
     let losses: Vec<f64> = fitted
@@ -110,7 +110,7 @@ pub(super) fn criteria(mesh: &Normalized, fitted: &[Fitted<'_>]) -> (Vec<f64>, f
 /// Number of independent pieces of relief: connected patches of the mesh on which the height is
 /// above (or below) its median; at least 2.
 fn independent(mesh: &Normalized, heights: &[f64]) -> f64 {
-    let center = super::robust::spread(heights, &mesh.samples.weights).center;
+    let center = spread(heights, &mesh.samples.weights).center;
     let above: Vec<bool> = heights.iter().map(|h| *h > center).collect();
     let mut patches = Patches::new(heights.len());
     for &[a, b, c] in &mesh.triangles {

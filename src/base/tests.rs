@@ -564,14 +564,16 @@ fn nothing_panics_on_strange_meshes() {
 }
 
 #[test]
-fn a_plane_asked_to_be_round_is_nearly_flat() {
+fn a_plane_asked_to_be_round_is_nearly_flat_or_refused() {
     let (mesh, _) = patch(BaseKind::Plane, 0.0, |_, _| 0.0);
     for kind in [BaseKind::Sphere, BaseKind::Cylinder, BaseKind::Cone] {
-        let report = fit(&mesh, &only(kind)).unwrap();
-        assert!(
-            report.rms < 1e-2 && report.ranking[0].degenerate.is_some(),
-            "{report:?}"
-        );
+        match fit(&mesh, &only(kind)) {
+            Ok(report) => {
+                assert!(report.rms < 0.01, "{report:?}");
+                assert!(report.ranking[0].degenerate.is_some(), "{report:?}");
+            }
+            Err(error) => assert_eq!(error, FitError::Undetermined(kind)),
+        }
     }
 }
 
