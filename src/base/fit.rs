@@ -26,14 +26,16 @@ const ALGEBRAIC_STARTS: usize = 5;
 const SCORED_STARTS: usize = 6;
 
 const SEARCH_EFFORT: Effort = Effort {
-    iterations: 12,
+    iterations: 14,
     tolerance: 1e-3,
+    concentrations: 0,
 };
 
 /// All kinds are fitted to all vertices as well as this to be compared; the chosen one goes on.
 const RANKING_EFFORT: Effort = Effort {
     iterations: 20,
     tolerance: 1e-5,
+    concentrations: 0,
 };
 
 /// Largest change of any height, as a share of half the diagonal, at which the fit has converged:
@@ -52,12 +54,12 @@ const MAX_DISTANCE: f64 = 1e7;
 /// belongs to it. Where relief is one-sided, the fit may settle on the level that most of the
 /// vertices share (the land between a golf ball's dimples).
 ///
-/// With [`BaseChoice::Auto`] the kind with the least 2 n ρ̄ + k ln n is chosen ([`Candidate`]): a
+/// With [`BaseChoice::Auto`] the kind with the least 2 n ρ̄ + k max(ln n, 3) is chosen ([`Candidate`]): a
 /// Bayesian information criterion in which n is not the number of vertices, whose heights are
 /// correlated in any relief, but the number of patches of the mesh on which the best-fitting
-/// surface's heights have one sign. With two or three patches, it takes little to be preferred: a
-/// plane with a single wave across it may be called a cylinder. Surfaces that a simpler kind describes as well are excluded
-/// ([`super::Degenerate`]).
+/// surface's heights have one sign. Few patches are little evidence: a gentle bend under a few bumps
+/// of its own size is taken for relief of the simpler kind. Surfaces that a simpler kind describes
+/// as well are excluded ([`super::Degenerate`]).
 ///
 /// The result does not depend on the number of threads. The plane's normal points to the side that
 /// the triangles face; the points on plane and cylinder axis are next to [`TriMesh::centroid`]; the
@@ -176,6 +178,7 @@ fn finish(fit: &mut Refined, mesh: &Normalized, params: &FitParams) {
     let effort = Effort {
         iterations: params.max_iterations,
         tolerance: TOLERANCE,
+        concentrations: 0,
     };
     let sigma = params.scale.map(|s| s / mesh.unit);
     let finished = refine(&fit.surface, &mesh.samples, params.loss, sigma, effort);
@@ -209,13 +212,16 @@ fn search(
         .filter(|(score, _)| score.is_finite())
         .collect();
     scored.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let mut chosen: Vec<usize> = (0..starts.len().min(ALGEBRAIC_STARTS)).collect();
-    chosen.extend(scored.iter().map(|s| s.1).take(SCORED_STARTS));
-    chosen.sort_unstable();
-    chosen.dedup();
-    chosen
-        .into_iter()
-        .map(|i| refine(&starts[i], &thin, params.loss, sigma, SEARCH_EFFORT))
+    // The random ones are first drawn to the core of what they touch, the algebraic ones not.
+    let concentrating = Effort {
+        concentrations: 4,
+        ..SEARCH_EFFORT
+    };
+    let algebraic = (0..starts.len().min(ALGEBRAIC_STARTS)).map(|i| (i, SEARCH_EFFORT));
+    let scored = scored.iter().take(SCORED_STARTS);
+    algebraic
+        .chain(scored.map(|s| (s.1, concentrating)))
+        .map(|(i, effort)| refine(&starts[i], &thin, params.loss, sigma, effort))
         .filter(|r| is_usable(&r.surface))
         .map(|r| (quality(&thin, &r, params.loss), r.surface))
         .filter(|(quality, _)| quality.is_finite())

@@ -15,8 +15,8 @@ const MAX_RESCALINGS: usize = 20;
 /// The scale counts as found when a reweighting changes it by less than this share.
 const SCALE_TOLERANCE: f64 = 1e-3;
 
-/// While the scale of a minority is estimated, only the innermost part of it counts, about as many
-/// as [`super::robust::LEAST_SHARE`]: the concentration steps of Rousseeuw & Van Driessen 1999, which
+/// Scale, in half widths of the shortest interval with [`super::robust::LEAST_SHARE`], at which not
+/// much more than that share counts: the concentration steps of Rousseeuw & Van Driessen 1999. They
 /// walk away from surroundings that cross the surface at a slant.
 const CONCENTRATION: f64 = 0.4;
 
@@ -30,6 +30,9 @@ pub(super) struct Effort {
     pub(super) iterations: usize,
     /// Largest change of any height, in half diagonals, that counts as none.
     pub(super) tolerance: f64,
+    /// Reweightings at the beginning in which only a core of the heights counts, whether or not it
+    /// stands out yet.
+    pub(super) concentrations: usize,
 }
 
 /// A surface at (or near) the minimum of the loss.
@@ -99,11 +102,15 @@ impl Reweighting<'_> {
             let before = self.sigma;
             let found = spread(&self.heights, &self.samples.weights);
             self.sigma = found.sigma.max(fixed_sigma.unwrap_or(0.0)).max(ROUNDING);
-            if (self.sigma - before).abs() <= SCALE_TOLERANCE * self.sigma {
+            let settled = iterations >= effort.concentrations;
+            if settled && (self.sigma - before).abs() <= SCALE_TOLERANCE * self.sigma {
                 break;
             }
-            let narrowed = if found.minority { CONCENTRATION } else { 1.0 };
-            self.step(found.center, narrowed * self.sigma);
+            if found.minority || iterations < effort.concentrations {
+                self.step(found.core.0, (CONCENTRATION * found.core.1).max(ROUNDING));
+            } else {
+                self.step(found.center, self.sigma);
+            }
             iterations += 1;
         }
         if let Some(sigma) = fixed_sigma {

@@ -9,8 +9,9 @@ use super::{BaseKind, BaseSurface};
 ///
 /// Measured: golf balls 0.002, brick walls and gentle waves 0.001 to 0.006, a scallop shell on its
 /// sphere 0.010, pitted limestone on its plane 0.012, deep bark 0.013, a broken stone on a sphere
-/// and waves a thirtieth as high as the plate is wide 0.018; a whole tower on a cone 0.028, a
-/// mountain on a sphere 0.039, a figure of a rabbit on a sphere 0.065.
+/// and waves a thirtieth as high as the plate is wide 0.018; a whole tower on a
+/// cone 0.028 and on a plane 0.092, a mountain on a sphere 0.039, a figure of a rabbit on a sphere
+/// 0.065.
 pub const MAX_RELIEF_SHARE: f64 = 0.025;
 
 /// Why the iteration ended.
@@ -59,7 +60,7 @@ pub struct Candidate {
     /// Robust standard deviation of the heights, in the scan's unit; see
     /// [`super::FitParams::scale`].
     pub scale: f64,
-    /// The lower, the better: 2 n ρ̄ + k ln n, with k parameters (plane 3, sphere 4, cylinder 5, cone
+    /// The lower, the better: 2 n ρ̄ + k max(ln n, 3), with k parameters (plane 3, sphere 4, cylinder 5, cone
     /// 6), ρ̄ the mean of ln(1 + (height / σ)²), σ the least scale of all candidates (from the
     /// median absolute deviation), and n the
     /// number of independent pieces of relief; see [`super::fit`].

@@ -30,6 +30,8 @@ pub(super) struct Spread {
     pub(super) sigma: f64,
     /// That of all heights, if a majority is on the surface: from the MAD.
     pub(super) wide: f64,
+    /// Middle and half width of the shortest interval with [`LEAST_SHARE`].
+    pub(super) core: (f64, f64),
     /// Whether `sigma` is that of a minority.
     pub(super) minority: bool,
 }
@@ -58,17 +60,19 @@ pub(super) fn spread(heights: &[f64], weights: &[f64]) -> Spread {
             center: 0.0,
             sigma: 0.0,
             wide: 0.0,
+            core: (0.0, 0.0),
             minority: false,
         };
     };
     let wide = MAD_TO_SIGMA * median_deviation(&sorted, middle, 0.5 * total);
     let (low, high) = shortest_interval(&sorted, LEAST_SHARE * total);
-    let half = 0.5 * (high - low);
-    if SHORTEST_TO_SIGMA * half * MINORITY_RATIO < wide {
+    let core = (0.5 * (low + high), 0.5 * (high - low));
+    if SHORTEST_TO_SIGMA * core.1 * MINORITY_RATIO < wide {
         Spread {
-            center: 0.5 * (low + high),
-            sigma: MINORITY_TO_SIGMA * half,
+            center: core.0,
+            sigma: MINORITY_TO_SIGMA * core.1,
             wide,
+            core,
             minority: true,
         }
     } else {
@@ -76,6 +80,7 @@ pub(super) fn spread(heights: &[f64], weights: &[f64]) -> Spread {
             center: median,
             sigma: wide,
             wide,
+            core,
             minority: false,
         }
     }

@@ -17,6 +17,10 @@ const MAX_BEHIND: f64 = 0.1;
 /// Differences of fit below this, in half diagonals, are no evidence for anything.
 const LEAST_SCALE: f64 = 1e-6;
 
+/// Least penalty of a parameter. With fewer than e³ = 20 patches ln n is too little: a plane with one
+/// and a half waves became a cone.
+const LEAST_PENALTY: f64 = 3.0;
+
 /// Patches smaller than this share of the typical one do not count as independent.
 const SPECK: f64 = 0.1;
 
@@ -70,12 +74,12 @@ pub(super) struct Fitted<'a> {
 
 /// The criterion of each candidate, and the number n of independent pieces of relief in it.
 ///
-/// 2 n ρ̄ + k ln n, the Bayesian information criterion (Schwarz 1978) with two changes. The heights
+/// 2 n ρ̄ + k max(ln n, 3), the Bayesian information criterion (Schwarz 1978) with three changes. The heights
 /// are taken to follow a Cauchy distribution, ρ = ln(1 + (h/σ)²), with the least MAD as its scale, so
 /// that stray pieces count little but a surface that misses them by less still counts as better
 /// (a bounded loss preferred a plane to the cylinder of a tower with half its vertices off it). And
 /// the number of observations heeds that neighboring heights are not independent: n is the number
-/// of patches of equal sign of the best-fitting candidate.
+/// of patches of equal sign of the best-fitting candidate. See also [`LEAST_PENALTY`].
 pub(super) fn criteria(mesh: &Normalized, fitted: &[Fitted<'_>]) -> (Vec<f64>, f64) {
     let weights = &mesh.samples.weights;
     let total: f64 = weights.iter().sum();
@@ -102,7 +106,7 @@ pub(super) fn criteria(mesh: &Normalized, fitted: &[Fitted<'_>]) -> (Vec<f64>, f
     let criteria = fitted
         .iter()
         .zip(&losses)
-        .map(|(f, loss)| 2.0 * n * loss + parameters(f.kind) as f64 * n.ln())
+        .map(|(f, loss)| 2.0 * n * loss + parameters(f.kind) as f64 * n.ln().max(LEAST_PENALTY))
         .collect();
     (criteria, n)
 }

@@ -1,4 +1,4 @@
-//! Fits against known truth, against SciPy, under motion, scale, outliers and bad input.
+//! Fits against known truth, against `SciPy`, under motion, scale, outliers and bad input.
 
 use std::f64::consts::{PI, TAU};
 
