@@ -4,28 +4,32 @@ use nalgebra::{Matrix3, Point3, Unit, Vector3};
 
 use super::axis::Axis;
 use super::model::Model;
-use super::samples::Samples;
+use super::samples::{Samples, covariance};
 use super::{BaseSurface, Cone, Cylinder};
 use crate::rng::Rng;
 
 /// Half angle, in radians, of the slim cones started from each cylinder.
 const SLIM: f64 = 0.1;
 
+/// Half angle, in radians, of the wide cones started from the plane of least squares.
+const WIDE: f64 = 1.4;
+
 /// Least half angle, in radians, that is given back: the tip of a slimmer cone is so far away that
 /// its rounding would be seen in the heights.
 const MIN_HALF_ANGLE: f64 = 1e-6;
 
 /// From the normals (their tips lie in a plane across the axis, and their tangent planes meet in the
-/// apex); slim cones both ways about `cylinders`; then the cones with random triples of tangent
+/// apex); slim cones both ways about `cylinder`; wide
+/// ones both ways on the plane of least variance; then the cones with random triples of tangent
 /// planes.
 pub(super) fn starts(
     samples: &Samples,
-    cylinders: &[Cylinder],
+    cylinder: Option<&Cylinder>,
     random: usize,
     rng: &mut Rng,
 ) -> Vec<BaseSurface> {
     let mut starts: Vec<_> = from_normals(samples).into_iter().collect();
-    for cylinder in cylinders {
+    if let Some(cylinder) = cylinder {
         for axis in [cylinder.axis, -cylinder.axis] {
             starts.push(BaseSurface::Cone(Cone {
                 apex: cylinder.point - axis.scale(cylinder.radius / SLIM.tan()),
@@ -33,6 +37,16 @@ pub(super) fn starts(
                 half_angle: SLIM,
             }));
         }
+    }
+    let mean = samples.mean();
+    let points = samples.points.iter().zip(&samples.weights);
+    let [normal, ..] = covariance(points.map(|(p, w)| (p - mean, *w)));
+    for axis in [normal, -normal] {
+        starts.push(BaseSurface::Cone(Cone {
+            apex: mean,
+            axis: Unit::new_normalize(axis),
+            half_angle: WIDE,
+        }));
     }
     for _ in 0..random {
         let picks = [(); 3].map(|()| rng.index(samples.points.len()));
@@ -45,7 +59,7 @@ fn from_normals(samples: &Samples) -> Option<BaseSurface> {
     let total: f64 = samples.weights.iter().sum();
     let weighted = || samples.normals.iter().zip(&samples.weights);
     let mean = weighted().map(|(n, w)| n * *w).sum::<Vector3<f64>>() / total;
-    let [axis, ..] = super::samples::covariance(weighted().map(|(n, w)| (n - mean, *w)));
+    let [axis, ..] = covariance(weighted().map(|(n, w)| (n - mean, *w)));
     let mut matrix = Matrix3::zeros();
     let mut right = Vector3::zeros();
     for ((n, w), p) in weighted().zip(&samples.points) {

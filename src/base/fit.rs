@@ -22,17 +22,28 @@ const SEARCH_VERTICES: usize = 2000;
 
 /// Starts that are refined: the first ones, which are algebraic fits to all vertices, and those
 /// with the best scores.
-const ALGEBRAIC_STARTS: usize = 3;
+const ALGEBRAIC_STARTS: usize = 5;
 const SCORED_STARTS: usize = 6;
 
 const SEARCH_EFFORT: Effort = Effort {
-    iterations: 12,
+    iterations: 14,
     tolerance: 1e-3,
+    concentrations: 0,
+};
+
+/// All kinds are fitted to all vertices as well as this to be compared; the chosen one goes on.
+const RANKING_EFFORT: Effort = Effort {
+    iterations: 20,
+    tolerance: 1e-5,
+    concentrations: 0,
 };
 
 /// Largest change of any height, as a share of half the diagonal, at which the fit has converged:
 /// parameters of a sixty degree patch are then good to about 1e-10.
 const TOLERANCE: f64 = 1e-11;
+
+/// Centers and tips farther away, in half diagonals, leave less than nine digits of the heights.
+const MAX_DISTANCE: f64 = 1e7;
 
 /// Fits a base surface to the vertices of a mesh that its triangles use.
 ///
@@ -43,19 +54,21 @@ const TOLERANCE: f64 = 1e-11;
 /// belongs to it. Where relief is one-sided, the fit may settle on the level that most of the
 /// vertices share (the land between a golf ball's dimples).
 ///
-/// With [`BaseChoice::Auto`] the kind with the least n ln ρ̄ + k ln n is chosen ([`Candidate`]): a
+/// With [`BaseChoice::Auto`] the kind with the least 2 n ρ̄ + k max(ln n, 3) is chosen ([`Candidate`]): a
 /// Bayesian information criterion in which n is not the number of vertices, whose heights are
 /// correlated in any relief, but the number of patches of the mesh on which the best-fitting
-/// surface's heights have one sign. Surfaces that a simpler kind describes as well are excluded
-/// ([`super::Degenerate`]).
+/// surface's heights have one sign. Few patches are little evidence: a gentle bend under a few bumps
+/// of its own size is taken for relief of the simpler kind. Surfaces that a simpler kind describes
+/// as well are excluded ([`super::Degenerate`]).
 ///
 /// The result does not depend on the number of threads. The plane's normal points to the side that
 /// the triangles face; the points on plane and cylinder axis are next to [`TriMesh::centroid`]; the
 /// largest component of a cylinder's axis is positive.
 ///
 /// # Errors
-/// If the vertices are too few, not finite, at one place or on one line, or a triangle names a
-/// vertex that does not exist. That the iteration did not converge, or that the surface fits badly,
+/// If the vertices are too few, not finite, at one place or on one line, if a triangle names a vertex
+/// that does not exist, or if the kind asked for is not determined (a sphere through the vertices of
+/// a plane). That the iteration did not converge, or that the surface fits badly,
 /// is in the report.
 pub fn fit(mesh: &TriMesh, params: &FitParams) -> Result<FitReport, FitError> {
     if let Some(scale) = params.scale
@@ -64,8 +77,8 @@ pub fn fit(mesh: &TriMesh, params: &FitParams) -> Result<FitReport, FitError> {
         return Err(FitError::BadScale(scale));
     }
     let mesh = Normalized::new(mesh, params.weighting)?;
-    let fits = fit_kinds(&mesh, params)?;
-    let heights: Vec<Vec<f64>> = fits
+    let mut fits = fit_kinds(&mesh, params)?;
+    let mut heights: Vec<Vec<f64>> = fits
         .iter()
         .map(|f| mesh.samples.heights(&f.surface))
         .collect();
@@ -77,7 +90,6 @@ pub fn fit(mesh: &TriMesh, params: &FitParams) -> Result<FitReport, FitError> {
         .map(|i| Fitted {
             kind: fits[i].surface.kind(),
             heights: &heights[i],
-            sigma: fits[i].sigma,
             excluded: excluded[i].is_some(),
         })
         .collect();
@@ -87,6 +99,9 @@ pub fn fit(mesh: &TriMesh, params: &FitParams) -> Result<FitReport, FitError> {
         let excluded = excluded[a].is_some().cmp(&excluded[b].is_some());
         excluded.then(criteria[a].total_cmp(&criteria[b]))
     });
+    let best = order[0];
+    finish(&mut fits[best], &mesh, params);
+    heights[best] = mesh.samples.heights(&fits[best].surface);
     let candidate = |&i: &usize| Candidate {
         base: oriented(&mesh, &fits[i].surface),
         rms: mesh.unit * rms(&heights[i], &mesh.samples.weights),
@@ -96,7 +111,6 @@ pub fn fit(mesh: &TriMesh, params: &FitParams) -> Result<FitReport, FitError> {
         reason: fits[i].reason,
     };
     let ranking = order.iter().map(candidate).collect();
-    let best = order[0];
     Ok(report(
         &mesh,
         &fits[best],
@@ -129,15 +143,27 @@ fn fit_kinds(mesh: &Normalized, params: &FitParams) -> Result<Vec<Refined>, FitE
     }
     let sigma = params.scale.map(|s| s / mesh.unit);
     let effort = Effort {
-        iterations: params.max_iterations,
-        tolerance: TOLERANCE,
+        iterations: params.max_iterations.min(RANKING_EFFORT.iterations),
+        ..RANKING_EFFORT
+    };
+    let samples = &mesh.samples;
+    let search = |kind, cylinder: Option<&Cylinder>| search(samples, kind, cylinder, params, sigma);
+    let round = kinds
+        .iter()
+        .any(|k| matches!(k, BaseKind::Cylinder | BaseKind::Cone));
+    let cylinder = match round.then(|| search(BaseKind::Cylinder, None)).flatten() {
+        Some(BaseSurface::Cylinder(cylinder)) => Some(cylinder),
+        _ => None,
     };
     let fits: Vec<Option<Refined>> = kinds
         .par_iter()
         .map(|&kind| {
-            let start = search(&mesh.samples, kind, params, sigma)?;
-            let refined = refine(&start, &mesh.samples, params.loss, sigma, effort);
-            is_finite(&refined.surface).then_some(refined)
+            let start = match kind {
+                BaseKind::Cylinder => cylinder.map(BaseSurface::Cylinder),
+                _ => search(kind, cylinder.as_ref()),
+            };
+            let refined = refine(&start?, samples, params.loss, sigma, effort);
+            is_usable(&refined.surface).then_some(refined)
         })
         .collect();
     let fits: Vec<_> = fits.into_iter().flatten().collect();
@@ -147,10 +173,25 @@ fn fit_kinds(mesh: &Normalized, params: &FitParams) -> Result<Vec<Refined>, FitE
     Ok(fits)
 }
 
+/// Takes the fit that was good enough for comparison to the minimum.
+fn finish(fit: &mut Refined, mesh: &Normalized, params: &FitParams) {
+    let effort = Effort {
+        iterations: params.max_iterations,
+        tolerance: TOLERANCE,
+        concentrations: 0,
+    };
+    let sigma = params.scale.map(|s| s / mesh.unit);
+    let finished = refine(&fit.surface, &mesh.samples, params.loss, sigma, effort);
+    if is_usable(&finished.surface) {
+        *fit = finished;
+    }
+}
+
 /// The best start of a kind, refined on some of the vertices.
 fn search(
     samples: &Samples,
     kind: BaseKind,
+    cylinder: Option<&Cylinder>,
     params: &FitParams,
     sigma: Option<f64>,
 ) -> Option<BaseSurface> {
@@ -162,14 +203,7 @@ fn search(
         BaseKind::Plane => plane::starts(&thin, params.starts, &mut rng),
         BaseKind::Sphere => sphere::starts(&thin, params.starts, &mut rng),
         BaseKind::Cylinder => cylinder::starts(&thin, params.starts, &mut rng),
-        BaseKind::Cone => {
-            let cylinder = search(samples, BaseKind::Cylinder, params, sigma);
-            let cylinders: Vec<Cylinder> = match cylinder {
-                Some(BaseSurface::Cylinder(c)) => vec![c],
-                _ => Vec::new(),
-            };
-            cone::starts(&thin, &cylinders, params.starts, &mut rng)
-        }
+        BaseKind::Cone => cone::starts(&thin, cylinder, params.starts, &mut rng),
     };
     let mut scored: Vec<(f64, usize)> = starts
         .iter()
@@ -178,14 +212,17 @@ fn search(
         .filter(|(score, _)| score.is_finite())
         .collect();
     scored.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let mut chosen: Vec<usize> = (0..starts.len().min(ALGEBRAIC_STARTS)).collect();
-    chosen.extend(scored.iter().map(|s| s.1).take(SCORED_STARTS));
-    chosen.sort_unstable();
-    chosen.dedup();
-    chosen
-        .into_iter()
-        .map(|i| refine(&starts[i], &thin, params.loss, sigma, SEARCH_EFFORT))
-        .filter(|r| is_finite(&r.surface))
+    // The random ones are first drawn to the core of what they touch, the algebraic ones not.
+    let concentrating = Effort {
+        concentrations: 4,
+        ..SEARCH_EFFORT
+    };
+    let algebraic = (0..starts.len().min(ALGEBRAIC_STARTS)).map(|i| (i, SEARCH_EFFORT));
+    let scored = scored.iter().take(SCORED_STARTS);
+    algebraic
+        .chain(scored.map(|s| (s.1, concentrating)))
+        .map(|(i, effort)| refine(&starts[i], &thin, params.loss, sigma, effort))
+        .filter(|r| is_usable(&r.surface))
         .map(|r| (quality(&thin, &r, params.loss), r.surface))
         .filter(|(quality, _)| quality.is_finite())
         .min_by(|a, b| a.0.total_cmp(&b.0))
@@ -222,9 +259,16 @@ fn rms(heights: &[f64], weights: &[f64]) -> f64 {
     (sum / weights.iter().sum::<f64>()).sqrt()
 }
 
-fn is_finite(surface: &BaseSurface) -> bool {
+/// Whether heights over the surface can be computed: finite and not from too far away.
+fn is_usable(surface: &BaseSurface) -> bool {
+    let far = match surface {
+        BaseSurface::Plane(plane) => plane.point.coords.norm(),
+        BaseSurface::Sphere(sphere) => sphere.center.coords.norm().max(sphere.radius),
+        BaseSurface::Cylinder(cylinder) => cylinder.point.coords.norm().max(cylinder.radius),
+        BaseSurface::Cone(cone) => cone.apex.coords.norm(),
+    };
     let foot = surface.foot(&Point3::origin());
-    foot.height.is_finite() && foot.normal.iter().all(|x| x.is_finite())
+    far < MAX_DISTANCE && foot.height.is_finite() && foot.normal.iter().all(|x| x.is_finite())
 }
 
 /// In the mesh's coordinates; a plane's point next to the centroid and its normal to the side that

@@ -19,6 +19,8 @@ mod cone;
 mod refine;
 mod select;
 mod fit;
+#[cfg(test)]
+mod tests;
 
 pub use chart::Chart;
 pub use error::FitError;

@@ -13,7 +13,12 @@ const ROUNDING: f64 = 1e-13;
 const MAX_RESCALINGS: usize = 20;
 
 /// The scale counts as found when a reweighting changes it by less than this share.
-const SCALE_TOLERANCE: f64 = 0.01;
+const SCALE_TOLERANCE: f64 = 1e-3;
+
+/// Scale, in half widths of the shortest interval with [`super::robust::LEAST_SHARE`], at which not
+/// much more than that share counts: the concentration steps of Rousseeuw & Van Driessen 1999. They
+/// walk away from surroundings that cross the surface at a slant.
+const CONCENTRATION: f64 = 0.4;
 
 /// Least-squares steps between two reweightings; one is nearly enough near the minimum.
 const INNER_STEPS: usize = 5;
@@ -25,6 +30,9 @@ pub(super) struct Effort {
     pub(super) iterations: usize,
     /// Largest change of any height, in half diagonals, that counts as none.
     pub(super) tolerance: f64,
+    /// Reweightings at the beginning in which only a core of the heights counts, whether or not it
+    /// stands out yet.
+    pub(super) concentrations: usize,
 }
 
 /// A surface at (or near) the minimum of the loss.
@@ -60,7 +68,8 @@ pub(super) fn refine(
 }
 
 fn plain(model: &mut dyn Model, samples: &Samples, effort: Effort) -> Refined {
-    let tolerance = 4.0 * f64::EPSILON;
+    // The sum of squares is flat at its minimum: its tolerance is finer than that of the heights.
+    let tolerance = (1e-3 * effort.tolerance).max(4.0 * f64::EPSILON);
     let weights = &samples.weights;
     let (iterations, reason) = least_squares(model, samples, weights, tolerance, effort.iterations);
     let surface = model.surface();
@@ -93,10 +102,15 @@ impl Reweighting<'_> {
             let before = self.sigma;
             let found = spread(&self.heights, &self.samples.weights);
             self.sigma = found.sigma.max(fixed_sigma.unwrap_or(0.0)).max(ROUNDING);
-            if (self.sigma - before).abs() <= SCALE_TOLERANCE * self.sigma {
+            let settled = iterations >= effort.concentrations;
+            if settled && (self.sigma - before).abs() <= SCALE_TOLERANCE * self.sigma {
                 break;
             }
-            self.step(found.center);
+            if found.minority || iterations < effort.concentrations {
+                self.step(found.core.0, (CONCENTRATION * found.core.1).max(ROUNDING));
+            } else {
+                self.step(found.center, self.sigma);
+            }
             iterations += 1;
         }
         if let Some(sigma) = fixed_sigma {
@@ -104,7 +118,7 @@ impl Reweighting<'_> {
         }
         while iterations < effort.iterations {
             iterations += 1;
-            let (change, step) = self.step(0.0);
+            let (change, step) = self.step(0.0, self.sigma);
             if step == StopReason::Numerical {
                 reason = step;
                 break;
@@ -132,14 +146,17 @@ impl Reweighting<'_> {
         change
     }
 
-    /// One reweighting about `center`; returns the largest change of a height.
-    fn step(&mut self, center: f64) -> (f64, StopReason) {
+    /// One reweighting about `center` with scale `sigma`; returns the largest change of a height.
+    fn step(&mut self, center: f64, sigma: f64) -> (f64, StopReason) {
         self.weights.clear();
         let pairs = self.heights.iter().zip(&self.samples.weights);
-        let sigma = self.sigma;
         self.weights
             .extend(pairs.map(|(h, w)| w * tukey_weight(h - center, sigma)));
+<<<<<<< HEAD
         let (_, reason) = least_squares(self.model, self.samples, &self.weights, 1e-9, INNER_STEPS);
+=======
+        let (_, reason) = least_squares(self.model, self.samples, &self.weights, 1e-6, INNER_STEPS);
+>>>>>>> room-base
         (self.measure(), reason)
     }
 }

@@ -13,6 +13,9 @@ pub(super) const LEAST_SHARE: f64 = 0.35;
 /// distribution: 1 / Φ⁻¹((1 + 0.35)/2).
 const SHORTEST_TO_SIGMA: f64 = 2.203_745_7;
 
+/// The same if half of the weight is normal and the rest elsewhere: 1 / Φ⁻¹((1 + 0.35/0.5)/2).
+const MINORITY_TO_SIGMA: f64 = 0.964_853_3;
+
 /// The narrow estimate is used where it is this many times below the MAD. It is 1 for normal and
 /// uniform distributions, 1.7 for a sine (arcsine distribution), 2.3 for a normal core of 60 % in
 /// wide surroundings; one-sided dimples, joints and stray majorities are beyond 3.
@@ -25,6 +28,12 @@ pub(super) struct Spread {
     pub(super) center: f64,
     /// Robust standard deviation about it.
     pub(super) sigma: f64,
+    /// That of all heights, if a majority is on the surface: from the MAD.
+    pub(super) wide: f64,
+    /// Middle and half width of the shortest interval with [`LEAST_SHARE`].
+    pub(super) core: (f64, f64),
+    /// Whether `sigma` is that of a minority.
+    pub(super) minority: bool,
 }
 
 /// Location and scale of weighted heights: median and MAD, or, if the heights pile up in a band
@@ -50,20 +59,29 @@ pub(super) fn spread(heights: &[f64], weights: &[f64]) -> Spread {
         return Spread {
             center: 0.0,
             sigma: 0.0,
+            wide: 0.0,
+            core: (0.0, 0.0),
+            minority: false,
         };
     };
     let wide = MAD_TO_SIGMA * median_deviation(&sorted, middle, 0.5 * total);
     let (low, high) = shortest_interval(&sorted, LEAST_SHARE * total);
-    let narrow = SHORTEST_TO_SIGMA * 0.5 * (high - low);
-    if narrow * MINORITY_RATIO < wide {
+    let core = (0.5 * (low + high), 0.5 * (high - low));
+    if SHORTEST_TO_SIGMA * core.1 * MINORITY_RATIO < wide {
         Spread {
-            center: 0.5 * (low + high),
-            sigma: narrow,
+            center: core.0,
+            sigma: MINORITY_TO_SIGMA * core.1,
+            wide,
+            core,
+            minority: true,
         }
     } else {
         Spread {
             center: median,
             sigma: wide,
+            wide,
+            core,
+            minority: false,
         }
     }
 }
@@ -118,13 +136,6 @@ pub(super) fn tukey_weight(height: f64, sigma: f64) -> f64 {
     if rest > 0.0 { rest * rest } else { 0.0 }
 }
 
-/// Tukey's loss of a height, scaled to 1 beyond its reach.
-pub(super) fn tukey_loss(height: f64, sigma: f64) -> f64 {
-    let u = height / (TUKEY_REACH * sigma);
-    let rest = (1.0 - u * u).max(0.0);
-    1.0 - rest * rest * rest
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -174,14 +185,9 @@ mod tests {
     }
 
     #[test]
-    fn weight_is_the_derivative_of_the_loss_over_the_height() {
-        let (h, sigma, d) = (0.7, 0.4, 1e-6);
-        let slope = (tukey_loss(h + d, sigma) - tukey_loss(h - d, sigma)) / (2.0 * d);
-        let reach = TUKEY_REACH * sigma;
-        assert_relative_eq!(
-            slope,
-            6.0 / (reach * reach) * h * tukey_weight(h, sigma),
-            epsilon = 1e-8
-        );
+    fn tukey_weight_falls_from_one_to_zero_at_its_reach() {
+        assert_relative_eq!(tukey_weight(0.0, 0.3), 1.0);
+        assert_relative_eq!(tukey_weight(-0.5 * TUKEY_REACH * 0.3, 0.3), 0.5625);
+        assert_relative_eq!(tukey_weight(1.001 * TUKEY_REACH * 0.3, 0.3), 0.0);
     }
 }

@@ -38,7 +38,10 @@ pub(super) struct Normalized {
 
 impl Normalized {
     pub(super) fn new(mesh: &TriMesh, weighting: Weighting) -> Result<Self, FitError> {
-        let (used, triangles) = used_part(mesh)?;
+        let TriMesh {
+            positions: used,
+            triangles,
+        } = used_part(mesh)?;
         let Some(&first) = used.first() else {
             return Err(FitError::TooFewVertices {
                 found: 0,
@@ -111,7 +114,7 @@ impl Normalized {
 }
 
 /// The vertices that a triangle uses, and the triangles by their new indices.
-fn used_part(mesh: &TriMesh) -> Result<(Vec<Point3<f64>>, Vec<[u32; 3]>), FitError> {
+fn used_part(mesh: &TriMesh) -> Result<TriMesh, FitError> {
     const UNUSED: u32 = u32::MAX;
     let mut new_index = vec![UNUSED; mesh.positions.len()];
     for (triangle, corners) in mesh.triangles.iter().enumerate() {
@@ -141,7 +144,10 @@ fn used_part(mesh: &TriMesh) -> Result<(Vec<Point3<f64>>, Vec<[u32; 3]>), FitErr
         .iter()
         .map(|t| t.map(|v| new_index[v as usize]))
         .collect();
-    Ok((used, triangles))
+    Ok(TriMesh {
+        positions: used,
+        triangles,
+    })
 }
 
 /// Areas as weights of mean 1, none above [`MAX_WEIGHT`] times the median; all the same if there is
