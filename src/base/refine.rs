@@ -152,11 +152,7 @@ impl Reweighting<'_> {
         let pairs = self.heights.iter().zip(&self.samples.weights);
         self.weights
             .extend(pairs.map(|(h, w)| w * tukey_weight(h - center, sigma)));
-<<<<<<< HEAD
-        let (_, reason) = least_squares(self.model, self.samples, &self.weights, 1e-9, INNER_STEPS);
-=======
         let (_, reason) = least_squares(self.model, self.samples, &self.weights, 1e-6, INNER_STEPS);
->>>>>>> room-base
         (self.measure(), reason)
     }
 }

@@ -187,7 +187,7 @@ impl<'a> Growth<'a> {
                     &foot,
                     frame,
                     &canvas.relief.feet[n],
-                    (&canvas.points[n], canvas.relief.heights[n]),
+                    &canvas.points[n],
                     canvas.colors.as_ref().map(|colors| colors[n]),
                     |distance_sq| gaussian_weight(distance_sq, sigma),
                 )

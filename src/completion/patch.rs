@@ -165,7 +165,7 @@ impl Patch {
             positions: mesh.positions.clone(),
             triangles: self.triangles.clone(),
         };
-        Samples::new(&self.base, subdivide(&surface, &self.base, relief, colors))
+        Samples::new(&self.base, &subdivide(&surface, &self.base, relief, colors))
     }
 
     /// Samples of all that is known by now.
@@ -178,7 +178,7 @@ impl Patch {
         let colors = canvas.colors.as_deref();
         Samples::new(
             &self.base,
-            subdivide(&surface, &self.base, &canvas.relief, colors),
+            &subdivide(&surface, &self.base, &canvas.relief, colors),
         )
     }
 

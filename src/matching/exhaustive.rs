@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::base::BaseSurface;
 
 use super::query::{Neighbor, Query};
-use super::samples::{SampleId, Samples};
+use super::samples::{Sample, SampleId, Samples};
 
 /// Samples that one task searches: enough to be worth a task, few enough to share a late best match.
 const CHUNK: usize = 512;
@@ -61,16 +61,19 @@ pub fn best_matches(
             budget.offer(turned.cost(*sample, rotation, budget.get()));
         }
     }
-    let mut matches: Vec<Match> = (samples.candidates.par_chunks(CHUNK))
-        .flat_map_iter(|chunk| {
+    let mut matches: Vec<Match> = (samples.samples.par_chunks(CHUNK).enumerate())
+        .flat_map_iter(|(chunk, members)| {
+            let first = chunk * CHUNK;
             let mut found = Vec::new();
-            for sample in chunk {
+            for number in first..first + members.len() {
+                let sample = SampleId(u32::try_from(number).expect("samples are u32"));
                 for rotation in 0..search.rotations {
-                    let cost = turned.cost(*sample, rotation as usize, budget.get());
+                    let limit = budget.get();
+                    let cost = turned.cost(sample, rotation as usize, limit);
                     if let Some(cost) = cost {
                         budget.offer(Some(cost));
                         found.push(Match {
-                            sample: *sample,
+                            sample,
                             rotation,
                             cost,
                         });
@@ -98,7 +101,8 @@ pub fn match_cost(
     sample: SampleId,
     rotation: u32,
 ) -> Option<f64> {
-    TurnedQuery::new(samples, query, search).cost(sample, rotation as usize, f64::INFINITY)
+    let turned = TurnedQuery::new(samples, query, search);
+    turned.cost(sample, rotation as usize, f64::INFINITY)
 }
 
 /// `v` turned about the normal (the third axis) by `rotation` of `rotations` equal parts of a turn.
@@ -153,11 +157,7 @@ struct TurnedQuery<'a> {
 impl<'a> TurnedQuery<'a> {
     fn new(samples: &'a Samples, query: &Query, search: &Search) -> Self {
         let total: f64 = query.neighbors().iter().map(|n| n.weight).sum();
-        let mu = if samples.surface.colors.is_some() {
-            search.mu
-        } else {
-            0.0
-        };
+        let mu = if samples.has_colors { search.mu } else { 0.0 };
         let ratio = |part: f64, bound: f64| {
             if total > 0.0 && bound > 0.0 {
                 part / (total * bound)
@@ -189,28 +189,27 @@ impl<'a> TurnedQuery<'a> {
     /// Cost at `sample`; `None` if it is not viable, or above `budget`.
     fn cost(&self, sample: SampleId, rotation: usize, budget: f64) -> Option<f64> {
         let samples = self.samples;
-        let origin = samples.surface.relief.feet[sample.index()];
-        let frame = &samples.frames[sample.index()];
+        let Sample { foot, frame, .. } = &samples.samples[sample.index()];
         let mut cost = 0.0;
         for neighbor in &self.rotations[rotation] {
-            let moved_foot = origin + frame.to_world(&neighbor.foot);
+            let moved = foot + frame.to_world(&neighbor.foot);
             let projected = if self.rigid {
-                moved_foot
+                moved
             } else {
-                samples.base.foot(&moved_foot).point
+                samples.base.foot(&moved).point
             };
-            let partner = samples.nearest(&projected)?;
-            if !samples.complete[partner.index()] {
+            let partner = samples.grid.nearest(&projected)?;
+            let partner_sample = &samples.samples[partner as usize];
+            if !partner_sample.complete {
                 return None;
             }
-            let point = origin + frame.to_world(&neighbor.point);
-            let shape = self.shape_factor * neighbor.weight;
-            let colors = neighbor.color.zip(samples.color(partner));
-            if let Some((ours, theirs)) = colors {
+            if let (Some(ours), Some(theirs)) = (neighbor.color, partner_sample.color) {
                 let differences = ours.iter().zip(theirs).map(|(a, b)| (a - b) * (a - b));
                 cost += self.color_factor * neighbor.weight * differences.sum::<f64>();
             }
-            if cost + shape * self.least_distance_sq(partner, &point, neighbor) > budget {
+            let point = foot + frame.to_world(&neighbor.point);
+            let shape = self.shape_factor * neighbor.weight;
+            if cost + shape * partner_sample.slab.least_distance_sq(&point) > budget {
                 return None;
             }
             cost += shape * self.distance_sq(partner, &point);
@@ -222,27 +221,9 @@ impl<'a> TurnedQuery<'a> {
     }
 
     /// Squared distance to the nearest triangle around `partner`.
-    fn distance_sq(&self, partner: SampleId, point: &Point3<f64>) -> f64 {
-        (self.samples.incident.row(partner.index()).iter())
+    fn distance_sq(&self, partner: u32, point: &Point3<f64>) -> f64 {
+        (self.samples.incident.row(partner as usize).iter())
             .map(|f| self.samples.triangles[*f as usize].distance_sq(point))
             .fold(f64::INFINITY, f64::min)
-    }
-
-    /// Lower bound of [`Self::distance_sq`]: the height over the base changes by at most the way
-    /// that one goes.
-    fn least_distance_sq(
-        &self,
-        partner: SampleId,
-        point: &Point3<f64>,
-        neighbor: &Neighbor,
-    ) -> f64 {
-        let height = if self.rigid {
-            neighbor.height
-        } else {
-            self.samples.base.foot(point).height * self.samples.side
-        };
-        let [low, high] = self.samples.height_bounds[partner.index()];
-        let gap = (height - high).max(low - height).max(0.0);
-        gap * gap
     }
 }

@@ -8,6 +8,7 @@ mod point_triangle;
 mod query;
 mod samples;
 mod site_grid;
+mod slab;
 
 pub use exhaustive::{Match, Search, best_matches, match_cost};
 pub use query::{Neighbor, Query};

@@ -11,8 +11,6 @@ pub struct Neighbor {
     pub foot: Vector3<f64>,
     /// The point on the relief, from the target's foot, in the target's frame.
     pub point: Vector3<f64>,
-    /// Its height over the base.
-    pub height: f64,
     /// Its colour in [0, 1], where it has one.
     pub color: Option<[f64; 3]>,
     /// Gaussian weight.
@@ -22,12 +20,13 @@ pub struct Neighbor {
 /// What is known around a target.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Query {
-    /// Known neighbors, heaviest first (so that a bad candidate is found out early).
+    /// Known neighbors, heaviest first.
     neighbors: Vec<Neighbor>,
 }
 
 impl Query {
-    /// From the neighbors in any order.
+    /// From the neighbors in any order. The heaviest come first, so that a bad candidate is found out
+    /// early.
     #[must_use]
     pub fn new(mut neighbors: Vec<Neighbor>) -> Self {
         neighbors.sort_by(|a, b| b.weight.total_cmp(&a.weight));
@@ -49,7 +48,7 @@ impl Neighbor {
         target_foot: &Point3<f64>,
         frame: &Frame,
         foot: &Point3<f64>,
-        (point, height): (&Point3<f64>, f64),
+        point: &Point3<f64>,
         color: Option<[f64; 3]>,
         weigh: impl Fn(f64) -> f64,
     ) -> Self {
@@ -57,7 +56,6 @@ impl Neighbor {
         Self {
             foot: frame.to_local(&to_foot),
             point: frame.to_local(&(point - target_foot)),
-            height,
             color,
             weight: weigh(to_foot.norm_squared()),
         }

@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::base::BaseSurface;
-use crate::mesh::{Adjacency, Csr};
+use crate::mesh::{Adjacency, Csr, TriMesh};
 use crate::neighborhood::{Frame, local_frames};
 use crate::sampling::Subdivision;
 
@@ -11,8 +11,9 @@ use super::Match;
 use super::exhaustive::turned;
 use super::point_triangle::PreparedTriangle;
 use super::site_grid::SiteGrid;
+use super::slab::Slab;
 
-/// Index of a sample: a vertex of the subdivided sample surface.
+/// Number of a sample: neighbors on the surface have numbers near each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SampleId(pub u32);
 
@@ -24,107 +25,105 @@ impl SampleId {
     }
 }
 
+/// One sample.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sample {
+    pub(super) foot: Point3<f64>,
+    pub(super) frame: Frame,
+    pub(super) height: f64,
+    pub(super) color: Option<[f64; 3]>,
+    /// Whether it is surrounded by samples.
+    pub(super) complete: bool,
+    /// Holds the triangles around it.
+    pub(super) slab: Slab,
+    /// The scanned vertex that it stands for.
+    scanned_vertex: u32,
+}
+
 /// The searchable sample surface.
 #[derive(Debug)]
 pub struct Samples {
     pub(super) base: BaseSurface,
-    pub(super) side: f64,
-    pub(super) surface: Subdivision,
-    pub(super) frames: Vec<Frame>,
+    pub(super) samples: Vec<Sample>,
     pub(super) triangles: Vec<PreparedTriangle>,
+    /// Triangles around each sample.
     pub(super) incident: Csr,
-    /// Whether a vertex is surrounded by samples.
-    pub(super) complete: Vec<bool>,
-    /// Lowest and highest height of the triangles around each vertex, with a margin for the
-    /// curvature of the base.
-    pub(super) height_bounds: Vec<[f64; 2]>,
-    /// Vertices that may be copied from.
-    pub(super) candidates: Vec<SampleId>,
-    grid: SiteGrid,
-    /// Vertex of each site of the grid.
-    site_vertices: Vec<u32>,
+    pub(super) has_colors: bool,
     pub(super) height_range: f64,
+    pub(super) grid: SiteGrid,
 }
 
 impl Samples {
     /// Prepares a subdivided sample surface over `base`. Vertices that no triangle uses are no
     /// samples.
     #[must_use]
-    pub fn new(base: &BaseSurface, surface: Subdivision) -> Self {
+    pub fn new(base: &BaseSurface, surface: &Subdivision) -> Self {
+        let relief = &surface.relief;
         let adjacency = Adjacency::new(&surface.mesh);
-        let used = surface.mesh.used_vertices();
-        let complete: Vec<bool> = (0..used.len())
-            .map(|v| {
+        let order = spatial_order(surface);
+        let frames = local_frames(base, &relief.normals);
+        let (corners, incident) = ordered_triangles(&surface.mesh, &order);
+        let samples: Vec<Sample> = (order.iter().enumerate())
+            .map(|(number, vertex)| {
+                let v = *vertex as usize;
                 let around = adjacency.triangles.row(v).len();
-                around > 0 && around == adjacency.neighbors.row(v).len()
+                Sample {
+                    foot: relief.feet[v],
+                    frame: frames[v],
+                    height: relief.heights[v],
+                    color: surface.colors.as_ref().map(|colors| colors[v]),
+                    complete: around == adjacency.neighbors.row(v).len(),
+                    slab: slab(&corners, incident.row(number)),
+                    scanned_vertex: scanned_vertex(surface, *vertex),
+                }
             })
             .collect();
-        let candidates: Vec<SampleId> = (0u32..)
-            .zip(&used)
-            .filter_map(|(v, used)| used.then_some(SampleId(v)))
-            .collect();
-        let site_vertices: Vec<u32> = candidates.iter().map(|s| s.0).collect();
-        let sites: Vec<_> = candidates
-            .iter()
-            .map(|s| surface.relief.feet[s.index()])
-            .collect();
-        let spacing = typical_edge(&surface);
-        let grid = SiteGrid::new(&sites, spacing, foot_boxes(&surface, spacing));
-        let heights = candidates.iter().map(|s| surface.relief.heights[s.index()]);
-        let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| {
-            (low.min(h), high.max(h))
-        });
+        let spacing = typical_edge(surface);
+        let boxes = foot_boxes(surface, spacing);
+        let feet = samples.iter().map(|s| s.foot).collect();
+        let grid = SiteGrid::new(feet, spacing, &boxes);
+        let range = samples.iter().map(|s| s.height);
+        let range = range.fold([f64::INFINITY, f64::NEG_INFINITY], widen);
         Self {
             base: *base,
-            side: surface.relief.side,
-            frames: local_frames(base, &surface.relief.normals),
-            triangles: (0..surface.mesh.triangles.len())
-                .map(|f| PreparedTriangle::new(surface.mesh.corners(f)))
-                .collect(),
-            height_bounds: height_bounds(&surface, &adjacency),
-            incident: adjacency.triangles,
-            complete,
-            candidates,
+            triangles: corners.iter().map(|t| PreparedTriangle::new(*t)).collect(),
+            incident,
+            has_colors: surface.colors.is_some(),
+            height_range: (range[1] - range[0]).max(0.0),
             grid,
-            site_vertices,
-            height_range: if high > low { high - low } else { 0.0 },
-            surface,
+            samples,
         }
     }
 
     /// Number of samples.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.candidates.len()
+        self.samples.len()
     }
 
     /// Whether there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.candidates.is_empty()
+        self.samples.is_empty()
     }
 
     /// Height of a sample over the base.
     #[must_use]
     pub fn height(&self, sample: SampleId) -> f64 {
-        self.surface.relief.heights[sample.index()]
+        self.samples[sample.index()].height
     }
 
     /// Colour of a sample, in [0, 1].
     #[must_use]
     pub fn color(&self, sample: SampleId) -> Option<[f64; 3]> {
-        (self.surface.colors.as_ref()).map(|colors| colors[sample.index()])
+        self.samples[sample.index()].color
     }
 
-    /// The scanned vertex that a sample stands for: itself, or for one in the middle of an edge the
-    /// end with the lower index.
+    /// The vertex that a sample stands for, of the surface before subdivision: itself, or for one in
+    /// the middle of an edge the end with the lower index.
     #[must_use]
     pub fn scanned_vertex(&self, sample: SampleId) -> u32 {
-        let scanned = self.surface.mesh.positions.len() - self.surface.parents.len();
-        match sample.index().checked_sub(scanned) {
-            None => sample.0,
-            Some(middle) => self.surface.parents[middle][0],
-        }
+        self.samples[sample.index()].scanned_vertex
     }
 
     /// The sample that stands to `found` as a target stands to its neighbor copied from there:
@@ -137,15 +136,73 @@ impl Samples {
         offset: &Vector3<f64>,
     ) -> Option<SampleId> {
         let turned = turned(offset, found.rotation, rotations);
-        let sample = found.sample.index();
-        let moved = self.surface.relief.feet[sample] + self.frames[sample].to_world(&turned);
-        self.nearest(&self.base.foot(&moved).point)
+        let sample = &self.samples[found.sample.index()];
+        let moved = sample.foot + sample.frame.to_world(&turned);
+        let foot = self.base.foot(&moved).point;
+        self.grid.nearest(&foot).map(SampleId)
     }
+}
 
-    /// The sample whose foot is nearest to a point of the base surface, if any is near.
-    #[must_use]
-    pub fn nearest(&self, foot: &Point3<f64>) -> Option<SampleId> {
-        (self.grid.nearest(foot)).map(|site| SampleId(self.site_vertices[site as usize]))
+fn widen([low, high]: [f64; 2], x: f64) -> [f64; 2] {
+    [low.min(x), high.max(x)]
+}
+
+/// The vertices that a triangle uses, along a Z-order curve, so that samples which are looked at one
+/// after the other are close in memory.
+fn spatial_order(surface: &Subdivision) -> Vec<u32> {
+    let feet = &surface.relief.feet;
+    let used = surface.mesh.used_vertices();
+    let mut order: Vec<u32> = (0u32..)
+        .zip(&used)
+        .filter_map(|(v, used)| used.then_some(v))
+        .collect();
+    let low = (order.iter()).fold(Point3::from([f64::INFINITY; 3]), |low, v| {
+        low.inf(&feet[*v as usize])
+    });
+    let size = (order.iter())
+        .map(|v| (feet[*v as usize] - low).amax())
+        .fold(f64::MIN_POSITIVE, f64::max);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "from 0 to 1023"
+    )]
+    let morton = |v: u32| {
+        let cell = (feet[v as usize] - low) * (1023.0 / size);
+        (0..10).fold(0u64, |code, bit| {
+            let bits = [cell.x, cell.y, cell.z].map(|x| (x as u64 >> (9 - bit)) & 1);
+            (code << 3) | (bits[0] << 2) | (bits[1] << 1) | bits[2]
+        })
+    };
+    order.sort_by_cached_key(|v| (morton(*v), *v));
+    order
+}
+
+/// Corners of the triangles in the order of their samples, and which triangles are around each sample.
+fn ordered_triangles(mesh: &TriMesh, order: &[u32]) -> (Vec<[Point3<f64>; 3]>, Csr) {
+    let mut number = vec![u32::MAX; mesh.positions.len()];
+    for (sample, vertex) in (0u32..).zip(order) {
+        number[*vertex as usize] = sample;
+    }
+    let mut triangles: Vec<([u32; 3], [u32; 3])> = (mesh.triangles.iter())
+        .map(|t| (t.map(|v| number[v as usize]), *t))
+        .collect();
+    triangles.sort_by_key(|(samples, _)| samples.iter().copied().min());
+    let corners = (0u32..)
+        .zip(&triangles)
+        .flat_map(|(f, (samples, _))| samples.map(|s| (s, f)));
+    let incident = Csr::from_pairs(order.len(), corners);
+    let corners = (triangles.iter())
+        .map(|(_, t)| t.map(|v| mesh.positions[v as usize]))
+        .collect();
+    (corners, incident)
+}
+
+fn scanned_vertex(surface: &Subdivision, vertex: u32) -> u32 {
+    let scanned = surface.mesh.positions.len() - surface.parents.len();
+    match (vertex as usize).checked_sub(scanned) {
+        None => vertex,
+        Some(middle) => surface.parents[middle][0],
     }
 }
 
@@ -160,15 +217,16 @@ fn typical_edge(surface: &Subdivision) -> f64 {
 }
 
 /// Boxes around the piece of base surface under each triangle.
-fn foot_boxes(surface: &Subdivision, spacing: f64) -> impl Iterator<Item = [Point3<f64>; 2]> {
+fn foot_boxes(surface: &Subdivision, spacing: f64) -> Vec<[Point3<f64>; 2]> {
     let relief = &surface.relief;
-    surface.mesh.triangles.iter().map(move |t| {
-        let [a, b, c] = t.map(|v| relief.feet[v as usize]);
-        // The base bulges over the chords between the feet; and rounding needs a little, too.
-        let margin = bulge(surface, t) + 1e-3 * spacing;
-        let margin = Vector3::repeat(margin);
-        [a.inf(&b).inf(&c) - margin, a.sup(&b).sup(&c) + margin]
-    })
+    (surface.mesh.triangles.iter())
+        .map(|t| {
+            let [a, b, c] = t.map(|v| relief.feet[v as usize]);
+            // The base bulges over the chords between feet, and rounding needs a little, too.
+            let margin = Vector3::repeat(bulge(surface, t) + 1e-3 * spacing);
+            [a.inf(&b).inf(&c) - margin, a.sup(&b).sup(&c) + margin]
+        })
+        .collect()
 }
 
 /// Bound of how far the base surface rises over a flat triangle between its points: for a chord e
@@ -186,24 +244,8 @@ fn bulge(surface: &Subdivision, triangle: &[u32; 3]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-fn height_bounds(surface: &Subdivision, adjacency: &Adjacency) -> Vec<[f64; 2]> {
-    let heights = &surface.relief.heights;
-    (0..heights.len())
-        .map(|v| {
-            let mut bounds = [heights[v], heights[v]];
-            let mut margin = 0.0f64;
-            for f in adjacency.triangles.row(v) {
-                let triangle = &surface.mesh.triangles[*f as usize];
-                margin = margin.max(bulge(surface, triangle));
-                for corner in triangle {
-                    let h = heights[*corner as usize];
-                    bounds = [bounds[0].min(h), bounds[1].max(h)];
-                }
-            }
-            // Feet bulge as the surface over them does, by more the higher it stands.
-            let reach = bounds[1].abs().max(bounds[0].abs());
-            let margin = 2.0 * margin + 1e-12 * reach;
-            [bounds[0] - margin, bounds[1] + margin]
-        })
-        .collect()
+/// The slab around some of the triangles.
+fn slab(corners: &[[Point3<f64>; 3]], triangles: &[u32]) -> Slab {
+    let around = triangles.iter().map(|f| corners[*f as usize]);
+    Slab::around(around).expect("a sample has triangles")
 }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::mesh::{Csr, PointTree};
 
 /// Cell size over typical distance of sites. Smaller cells list fewer sites but are more.
-const CELL_PER_SPACING: f64 = 0.6;
+const CELL_PER_SPACING: f64 = 0.7;
 
 /// Bits per axis of a cell's key.
 const KEY_BITS: u32 = 21;
@@ -16,7 +16,7 @@ const KEY_BITS: u32 = 21;
 #[derive(Debug)]
 pub(super) struct SiteGrid {
     origin: Point3<f64>,
-    cell: f64,
+    inverse_cell: f64,
     /// Open addressing: key + 1, or 0 where free; and the row of `sites`.
     slots: Vec<(u64, u32)>,
     sites: Csr,
@@ -26,27 +26,21 @@ pub(super) struct SiteGrid {
 impl SiteGrid {
     /// Over `points` (#S); only cells that meet one of `boxes` (low and high corner) are made, so
     /// queries must fall into those.
-    pub(super) fn new(
-        points: &[Point3<f64>],
-        spacing: f64,
-        boxes: impl Iterator<Item = [Point3<f64>; 2]>,
-    ) -> Self {
-        let boxes: Vec<_> = boxes.collect();
+    pub(super) fn new(points: Vec<Point3<f64>>, spacing: f64, boxes: &[[Point3<f64>; 2]]) -> Self {
         let low = (boxes.iter()).fold(Point3::from([f64::INFINITY; 3]), |low, b| low.inf(&b[0]));
         let high = (boxes.iter()).fold(low, |high, b| high.sup(&b[1]));
         // The longest side must fit in a key.
-        let widest = (high - low).amax();
         let most_cells = f64::from(1u32 << KEY_BITS) - 2.0;
-        let cell = (spacing * CELL_PER_SPACING).max(widest / most_cells);
+        let cell = (spacing * CELL_PER_SPACING).max((high - low).amax() / most_cells);
         let mut grid = Self {
             origin: low,
-            cell,
+            inverse_cell: 1.0 / cell,
             slots: Vec::new(),
             sites: Csr::default(),
-            points: points.to_vec(),
+            points,
         };
         let mut keys: Vec<u64> = Vec::new();
-        for [low, high] in &boxes {
+        for [low, high] in boxes {
             let (from, to) = (grid.cell_of(low), grid.cell_of(high));
             for x in from[0]..=to[0] {
                 for y in from[1]..=to[1] {
@@ -58,19 +52,19 @@ impl SiteGrid {
         }
         keys.par_sort_unstable();
         keys.dedup();
-        grid.list_sites(&keys);
+        grid.list_sites(&keys, cell);
         grid
     }
 
-    fn list_sites(&mut self, keys: &[u64]) {
+    fn list_sites(&mut self, keys: &[u64], cell: f64) {
         if keys.is_empty() {
             return;
         }
         let tree = PointTree::new(&self.points);
-        let half_diagonal = 0.5 * 3f64.sqrt() * self.cell;
+        let half_diagonal = 0.5 * 3f64.sqrt() * cell;
         let rows: Vec<Vec<u32>> = (keys.par_iter())
             .map(|key| {
-                let center = self.center(*key);
+                let center = self.center(*key, cell);
                 let nearest = tree.nearest(&center).distance_sq.sqrt();
                 // For any point of the cell the nearest site is at most this far from the center.
                 let reach = (nearest + 2.0 * half_diagonal) * (1.0 + 1e-9);
@@ -97,37 +91,42 @@ impl SiteGrid {
         reason = "saturating; what is outside the grid is not found there"
     )]
     fn cell_of(&self, p: &Point3<f64>) -> [u64; 3] {
-        [0, 1, 2].map(|i| ((p[i] - self.origin[i]) / self.cell) as u64)
+        [0, 1, 2].map(|i| ((p[i] - self.origin[i]) * self.inverse_cell) as u64)
     }
 
-    fn center(&self, key: u64) -> Point3<f64> {
+    fn center(&self, key: u64, cell: f64) -> Point3<f64> {
         let mask = (1u64 << KEY_BITS) - 1;
         let coordinate = |i: u32| ((key >> (i * KEY_BITS)) & mask) as f64 + 0.5;
-        self.origin
-            + nalgebra::Vector3::new(coordinate(0), coordinate(1), coordinate(2)) * self.cell
+        self.origin + nalgebra::Vector3::new(coordinate(0), coordinate(1), coordinate(2)) * cell
     }
 
-    /// The site nearest to `p`, ties to the lower index; `None` far from the boxes.
-    pub(super) fn nearest(&self, p: &Point3<f64>) -> Option<u32> {
-        if (0..3).any(|i| p[i] < self.origin[i]) || self.slots.is_empty() {
+    /// The cell that `p` is in; `None` far from the boxes.
+    #[inline]
+    fn cell(&self, p: &Point3<f64>) -> Option<u32> {
+        if p.x < self.origin.x || p.y < self.origin.y || p.z < self.origin.z {
             return None;
         }
         let cell = self.cell_of(p);
-        if cell.iter().any(|c| *c >= 1 << KEY_BITS) {
+        if cell[0] | cell[1] | cell[2] >= 1 << KEY_BITS || self.slots.is_empty() {
             return None;
         }
         let wanted = key(cell) + 1;
         let mask = self.slots.len() - 1;
         let mut slot = hash(wanted - 1) & mask;
-        let row = loop {
+        loop {
             match self.slots[slot] {
                 (0, _) => return None,
-                (key, row) if key == wanted => break row,
+                (key, row) if key == wanted => return Some(row),
                 _ => slot = (slot + 1) & mask,
             }
-        };
+        }
+    }
+
+    /// The site nearest to `p`, ties to the lower index; `None` far from the boxes.
+    #[inline]
+    pub(super) fn nearest(&self, p: &Point3<f64>) -> Option<u32> {
         let mut best = (f64::INFINITY, None);
-        for site in self.sites.row(row as usize) {
+        for site in self.sites.row(self.cell(p)? as usize) {
             let distance_sq = (self.points[*site as usize] - p).norm_squared();
             if distance_sq < best.0 {
                 best = (distance_sq, Some(*site));
@@ -159,7 +158,7 @@ mod tests {
         ) {
             let points: Vec<Point3<f64>> = points.into_iter().map(Point3::from).collect();
             let whole = [Point3::origin(), Point3::new(3.0, 3.0, 0.3)];
-            let grid = SiteGrid::new(&points, 0.4, std::iter::once(whole));
+            let grid = SiteGrid::new(points.clone(), 0.4, &[whole]);
             for q in queries.into_iter().map(Point3::from) {
                 let plain = (points.iter().zip(0u32..))
                     .min_by(|a, b| (a.0 - q).norm_squared().total_cmp(&(b.0 - q).norm_squared()))
@@ -171,9 +170,9 @@ mod tests {
 
     #[test]
     fn far_away_there_is_none() {
-        let points = [Point3::new(1.0, 1.0, 1.0)];
-        let grid = SiteGrid::new(&points, 0.1, std::iter::once([points[0], points[0]]));
-        assert_eq!(grid.nearest(&points[0]), Some(0));
+        let point = Point3::new(1.0, 1.0, 1.0);
+        let grid = SiteGrid::new(vec![point], 0.1, &[[point, point]]);
+        assert_eq!(grid.nearest(&point), Some(0));
         assert_eq!(grid.nearest(&Point3::new(9.0, 1.0, 1.0)), None);
         assert_eq!(grid.nearest(&Point3::new(-9.0, 1.0, 1.0)), None);
         assert_eq!(grid.nearest(&Point3::new(1e300, 1.0, 1.0)), None);

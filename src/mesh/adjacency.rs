@@ -36,6 +36,7 @@ impl Csr {
 
     /// The items of one row.
     #[must_use]
+    #[inline]
     pub fn row(&self, row: usize) -> &[u32] {
         &self.items[self.starts[row] as usize..self.starts[row + 1] as usize]
     }
