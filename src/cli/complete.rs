@@ -1,7 +1,7 @@
 //! `relievo complete`
 
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::{Args, ValueEnum};
@@ -117,7 +117,8 @@ fn work(
     params: &CompleteParams,
     known: &mut Map<String, Value>,
 ) -> super::Result {
-    if arguments.output == PathBuf::from("-") && common.json == Some(PathBuf::from("-")) {
+    let stdout = Path::new("-");
+    if arguments.output == stdout && common.json.as_deref() == Some(stdout) {
         return Err(Failure::usage(
             "-o - and --json - both want standard output: give one of them a file",
         ));

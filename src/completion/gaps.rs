@@ -1,6 +1,6 @@
 //! Which boundary loops to fill, grouped into gaps, and on which base surface.
 
-use crate::base::{self, BaseSurface, FitParams};
+use crate::base::{self, BaseSurface, FitParams, FitReport};
 use crate::mesh::{BoundaryLoop, LoopKind, TriMesh};
 use crate::sampling::{Gap, is_bounded};
 
@@ -56,7 +56,7 @@ pub(super) struct Plan {
 /// Groups the chosen loops into gaps, and adds those of the extension.
 pub(super) fn plan(
     input: &Input,
-    whole: &Patch,
+    whole: Option<&Patch>,
     chosen: &[usize],
     params: &CompleteParams,
 ) -> Plan {
@@ -66,7 +66,7 @@ pub(super) fn plan(
         skipped: Vec::new(),
     };
     let mut wanted: Vec<usize> = chosen.to_vec();
-    if params.holes == HoleChoice::Interior {
+    if let (HoleChoice::Interior, Some(whole)) = (&params.holes, whole) {
         wanted.extend(ring_gaps(input, whole));
     }
     for id in wanted {
@@ -78,16 +78,21 @@ pub(super) fn plan(
                     "more than two triangles meet, or two are oriented against each other, at its edge between vertices {a} and {b}; repair the scan there"
                 ),
             });
-        } else if whole.share_on_base(&boundary.vertices) >= ON_BASE_SHARE {
+        } else if whole.is_some_and(|whole| lies_on(whole, boundary)) {
             plan.on_base.push(single_gap(input, id));
         } else {
             plan.off_base.push(single_gap(input, id));
         }
     }
-    if params.extend {
+    if let (true, Some(whole)) = (params.extend, whole) {
         extend(input, whole, &mut plan);
     }
     plan
+}
+
+/// Whether a loop lies on the patch's base surface.
+fn lies_on(patch: &Patch, boundary: &BoundaryLoop) -> bool {
+    patch.share_on_base(&boundary.vertices) >= ON_BASE_SHARE
 }
 
 /// One loop, and the rims of other pieces of surface that may lie inside it.
@@ -116,7 +121,7 @@ fn ring_gaps(input: &Input, whole: &Patch) -> Vec<usize> {
     }
     (input.loops.iter())
         .filter(|l| l.kind == LoopKind::Rim && l.defect.is_none())
-        .filter(|l| whole.share_on_base(&l.vertices) >= ON_BASE_SHARE)
+        .filter(|l| lies_on(whole, l))
         .filter(|l| {
             let with_others = single_gap(input, l.id).gap;
             let alone = Gap {
@@ -199,8 +204,9 @@ pub(super) fn complete_on_own_base(
     };
     let fit = base::fit(&mesh, &any_kind);
     clock.end("own bases");
-    let patch = fit.ok().map(|fit| Patch::new(input, &fit, Some(&region)));
-    match patch.filter(|patch| patch.share_on_base(&boundary.vertices) >= ON_BASE_SHARE) {
+    let patch =
+        (fit.ok().filter(FitReport::fits)).map(|fit| Patch::new(input, &fit, Some(&region)));
+    match patch.filter(|patch| lies_on(patch, boundary)) {
         Some(patch) => patch.complete(input, vec![gap], params, work, clock),
         None => work.skipped.push(SkippedHole {
             loops: vec![id],

@@ -22,7 +22,7 @@ use std::time::Instant;
 use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::base::{self, BaseSurface};
+use crate::base::{self, BaseChoice, BaseSurface};
 use crate::mesh::{Adjacency, BoundaryLoop, TriMesh, boundary_loops, vertex_normals};
 use crate::relief;
 use crate::sampling::{EdgeSpacing, edge_spacing};
@@ -60,8 +60,8 @@ pub struct Progress {
 
 /// Completes the scan's missing parts with relief and colour.
 ///
-/// Holes that lie off the scan's base surface are completed on a base surface of their own, fitted
-/// to their surroundings. Holes that cannot be filled are reported in
+/// Holes that lie off the scan's base surface (all, if no kind of base surface fits the whole scan)
+/// are completed on a base surface of their own, fitted to their surroundings. Holes that cannot be filled are reported in
 /// [`CompletionReport::skipped`]; that is no error.
 ///
 /// # Errors
@@ -78,7 +78,8 @@ pub fn complete(
     let loops = boundary_loops(&mesh, &adjacency);
     clock.end("loops");
     let fit = base::fit(&mesh, &params.fit)?;
-    if !fit.fits() {
+    let base_fits = fit.fits();
+    if !base_fits && (params.extend || params.fit.base != BaseChoice::Auto) {
         return Err(CompletionError::BaseDoesNotFit {
             kind: fit.base.kind(),
             rms: fit.inlier_rms,
@@ -95,25 +96,34 @@ pub fn complete(
         spacing,
     };
     let chosen = gaps::choose(&input.loops, params)?;
-    let whole = Patch::new(&input, &fit, None);
-    if whole.triangles.is_empty() {
+    let whole = base_fits.then(|| Patch::new(&input, &fit, None));
+    let samples = whole.as_ref().map_or(0, |whole| 4 * whole.triangles.len());
+    if whole.is_some() && samples == 0 {
         return Err(CompletionError::NoSamples);
     }
-    let samples = 4 * whole.triangles.len();
-    let plan = gaps::plan(&input, &whole, &chosen, params);
-    let mut work = Work::default();
-    work.skipped.extend(plan.skipped);
-    whole.complete(&input, plan.on_base, params, &mut work, &mut clock);
+    let plan = gaps::plan(&input, whole.as_ref(), &chosen, params);
+    let mut work = Work {
+        skipped: plan.skipped,
+        ..Work::default()
+    };
+    if let Some(whole) = &whole {
+        whole.complete(&input, plan.on_base, params, &mut work, &mut clock);
+    }
     for gap in plan.off_base {
         gaps::complete_on_own_base(&input, gap, params, &mut work, &mut clock);
     }
-    let completed = assemble(scan, &input, &whole.relief.heights, &work, &origin);
-    let mut scan = completed;
-    let base = RememberedBase {
-        surface: fit.base.translated(origin),
-        reach: relief::reach(&fit),
+    let heights = match &whole {
+        Some(whole) => whole.relief.heights.clone(),
+        None => vec![f64::NAN; input.mesh.positions.len()],
     };
-    remember_base(&mut scan, &base);
+    let mut scan = assemble(scan, &input, heights, &work, &origin);
+    if base_fits {
+        let base = RememberedBase {
+            surface: fit.base.translated(origin),
+            reach: relief::reach(&fit),
+        };
+        remember_base(&mut scan, &base);
+    }
     clock.end("assemble");
     let seconds = clock.stages;
     let counts = Counts {
@@ -126,6 +136,7 @@ pub fn complete(
     };
     let mut report = CompletionReport {
         fit,
+        base_fits,
         spacing,
         filled: work.filled(),
         skipped: work.skipped,
@@ -277,20 +288,19 @@ fn centered_mesh(scan: &Scan) -> Result<(TriMesh, Vector3<f64>), CompletionError
 fn assemble(
     scan: &Scan,
     input: &Input,
-    heights: &[f64],
+    mut heights: Vec<f64>,
     work: &Work,
     origin: &Vector3<f64>,
 ) -> Scan {
     let first = input.mesh.positions.len();
     let (mut points, mut colors, mut sources) = (Vec::new(), Vec::new(), Vec::new());
     let mut triangles = Vec::new();
-    let mut all_heights = heights.to_vec();
     for gap in &work.added {
         let offset = points.len();
         points.extend(gap.points.iter().map(|p| p + origin));
         colors.extend(gap.colors.iter().flatten());
         sources.extend(&gap.sources);
-        all_heights.extend(&gap.heights);
+        heights.extend(&gap.heights);
         triangles.extend(gap.triangles.iter().map(|t| {
             t.map(|v| match (v as usize).checked_sub(first) {
                 None => v,
@@ -321,7 +331,7 @@ fn assemble(
         clippy::cast_possible_truncation,
         reason = "a float channel is asked for"
     )]
-    let heights = all_heights.iter().map(|h| *h as f32).collect();
+    let heights = heights.iter().map(|h| *h as f32).collect();
     out.vertices.set_channel(COMPLETED, Column::U8(completed));
     out.vertices.set_channel(HEIGHT, Column::F32(heights));
     out.vertices.set_channel(SOURCE, Column::I32(source));

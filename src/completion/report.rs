@@ -10,6 +10,9 @@ use crate::sampling::EdgeSpacing;
 pub struct CompletionReport {
     /// The base surface of the whole scan.
     pub fit: FitReport,
+    /// Whether it fits the whole scan; if not, each hole has a base surface of its own, and the
+    /// heights of original vertices are not known (NaN).
+    pub base_fits: bool,
     /// Edge lengths and the spacing of new vertices.
     pub spacing: EdgeSpacing,
     /// Loops filled, in the order of their numbers.

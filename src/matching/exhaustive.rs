@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::base::BaseSurface;
 
 use super::query::{Neighbor, Query};
-use super::samples::{Sample, SampleId, Samples};
+use super::samples::{SampleId, Samples, Site};
 
 /// Samples that one task searches: enough to be worth a task, few enough to share a late best match.
 const CHUNK: usize = 512;
@@ -42,6 +42,9 @@ pub struct Match {
 /// earlier) nor on the number of threads: a candidate is dropped only once its partial sum exceeds
 /// the tolerance of the best one so far, which the final best can only be below.
 ///
+/// # Panics
+/// If there are 2³² samples or more.
+///
 /// # Reference
 /// [Breckon & Fisher 2005](crate::bibliography#breckon--fisher-2005), §3 and Appendix A.
 #[must_use]
@@ -61,7 +64,7 @@ pub fn best_matches(
             budget.offer(turned.cost(*sample, rotation, budget.get()));
         }
     }
-    let mut matches: Vec<Match> = (samples.samples.par_chunks(CHUNK).enumerate())
+    let mut matches: Vec<Match> = (samples.sites.par_chunks(CHUNK).enumerate())
         .flat_map_iter(|(chunk, members)| {
             let first = chunk * CHUNK;
             let mut found = Vec::new();
@@ -157,7 +160,11 @@ struct TurnedQuery<'a> {
 impl<'a> TurnedQuery<'a> {
     fn new(samples: &'a Samples, query: &Query, search: &Search) -> Self {
         let total: f64 = query.neighbors().iter().map(|n| n.weight).sum();
-        let mu = if samples.has_colors { search.mu } else { 0.0 };
+        let mu = if samples.colors.is_some() {
+            search.mu
+        } else {
+            0.0
+        };
         let ratio = |part: f64, bound: f64| {
             if total > 0.0 && bound > 0.0 {
                 part / (total * bound)
@@ -189,7 +196,7 @@ impl<'a> TurnedQuery<'a> {
     /// Cost at `sample`; `None` if it is not viable, or above `budget`.
     fn cost(&self, sample: SampleId, rotation: usize, budget: f64) -> Option<f64> {
         let samples = self.samples;
-        let Sample { foot, frame, .. } = &samples.samples[sample.index()];
+        let Site { foot, frame } = &samples.sites[sample.index()];
         let mut cost = 0.0;
         for neighbor in &self.rotations[rotation] {
             let moved = foot + frame.to_world(&neighbor.foot);
@@ -199,17 +206,15 @@ impl<'a> TurnedQuery<'a> {
                 samples.base.foot(&moved).point
             };
             let partner = samples.grid.nearest(&projected)?;
-            let partner_sample = &samples.samples[partner as usize];
-            if !partner_sample.complete {
-                return None;
-            }
-            if let (Some(ours), Some(theirs)) = (neighbor.color, partner_sample.color) {
+            let slab = samples.partners[partner as usize].slab?;
+            if let (Some(ours), Some(colors)) = (neighbor.color, &samples.colors) {
+                let theirs = colors[partner as usize];
                 let differences = ours.iter().zip(theirs).map(|(a, b)| (a - b) * (a - b));
                 cost += self.color_factor * neighbor.weight * differences.sum::<f64>();
             }
             let point = foot + frame.to_world(&neighbor.point);
             let shape = self.shape_factor * neighbor.weight;
-            if cost + shape * partner_sample.slab.least_distance_sq(&point) > budget {
+            if cost + shape * slab.least_distance_sq(&point) > budget {
                 return None;
             }
             cost += shape * self.distance_sq(partner, &point);
@@ -222,8 +227,12 @@ impl<'a> TurnedQuery<'a> {
 
     /// Squared distance to the nearest triangle around `partner`.
     fn distance_sq(&self, partner: u32, point: &Point3<f64>) -> f64 {
-        (self.samples.incident.row(partner as usize).iter())
-            .map(|f| self.samples.triangles[*f as usize].distance_sq(point))
-            .fold(f64::INFINITY, f64::min)
+        let mut nearest = f64::INFINITY;
+        for triangle in self.samples.fan(partner) {
+            if triangle.plane_distance_sq(point) < nearest {
+                nearest = nearest.min(triangle.distance_sq(point));
+            }
+        }
+        nearest
     }
 }

@@ -11,6 +11,8 @@ pub(super) struct PreparedTriangle {
     ab_sq: f64,
     ac_sq: f64,
     ab_ac: f64,
+    /// Unit normal; zero for a degenerate triangle.
+    normal: Vector3<f64>,
 }
 
 impl PreparedTriangle {
@@ -23,7 +25,16 @@ impl PreparedTriangle {
             ab_sq: ab.norm_squared(),
             ac_sq: ac.norm_squared(),
             ab_ac: ab.dot(&ac),
+            normal: ab.cross(&ac).try_normalize(0.0).unwrap_or_default(),
         }
+    }
+
+    /// Squared distance of `p` to the triangle's plane, which the triangle cannot be nearer than; a
+    /// little less, for rounding.
+    #[inline]
+    pub(super) fn plane_distance_sq(&self, p: &Point3<f64>) -> f64 {
+        let height = self.normal.dot(&(p - self.a));
+        height * height * (1.0 - 1e-9)
     }
 
     /// Squared distance of `p` to the triangle with its inside (Ericson, *Real-Time Collision

@@ -25,30 +25,36 @@ impl SampleId {
     }
 }
 
-/// One sample.
+/// Where a sample stands, for carrying a neighborhood to it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sample {
+pub(super) struct Site {
     pub(super) foot: Point3<f64>,
     pub(super) frame: Frame,
-    pub(super) height: f64,
-    pub(super) color: Option<[f64; 3]>,
-    /// Whether it is surrounded by samples.
-    pub(super) complete: bool,
-    /// Holds the triangles around it.
-    pub(super) slab: Slab,
-    /// The scanned vertex that it stands for.
-    scanned_vertex: u32,
+}
+
+/// What a search asks of the partner of a neighbor. Apart from the sites, and small: partners are
+/// looked up all over the surface, so what is not needed must not fill the cache.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Partner {
+    /// Holds the triangles around it; `None` if it is not surrounded by samples.
+    pub(super) slab: Option<Slab>,
+    /// First of the triangles around it in `fans`, and how many.
+    fan: (u32, u32),
 }
 
 /// The searchable sample surface.
 #[derive(Debug)]
 pub struct Samples {
     pub(super) base: BaseSurface,
-    pub(super) samples: Vec<Sample>,
-    pub(super) triangles: Vec<PreparedTriangle>,
-    /// Triangles around each sample.
-    pub(super) incident: Csr,
-    pub(super) has_colors: bool,
+    pub(super) sites: Vec<Site>,
+    pub(super) partners: Vec<Partner>,
+    triangles: Vec<PreparedTriangle>,
+    /// Triangles around the samples, one sample after the other.
+    fans: Vec<u32>,
+    heights: Vec<f64>,
+    pub(super) colors: Option<Vec<[f64; 3]>>,
+    /// The scanned vertex that each stands for.
+    scanned_vertices: Vec<u32>,
     pub(super) height_range: f64,
     pub(super) grid: SiteGrid,
 }
@@ -56,74 +62,89 @@ pub struct Samples {
 impl Samples {
     /// Prepares a subdivided sample surface over `base`. Vertices that no triangle uses are no
     /// samples.
+    ///
+    /// # Panics
+    /// If there are 2³² samples or more.
     #[must_use]
     pub fn new(base: &BaseSurface, surface: &Subdivision) -> Self {
         let relief = &surface.relief;
         let adjacency = Adjacency::new(&surface.mesh);
         let order = spatial_order(surface);
         let frames = local_frames(base, &relief.normals);
-        let (corners, incident) = ordered_triangles(&surface.mesh, &order);
-        let samples: Vec<Sample> = (order.iter().enumerate())
-            .map(|(number, vertex)| {
-                let v = *vertex as usize;
-                let around = adjacency.triangles.row(v).len();
-                Sample {
-                    foot: relief.feet[v],
-                    frame: frames[v],
-                    height: relief.heights[v],
-                    color: surface.colors.as_ref().map(|colors| colors[v]),
-                    complete: around == adjacency.neighbors.row(v).len(),
-                    slab: slab(&corners, incident.row(number)),
-                    scanned_vertex: scanned_vertex(surface, *vertex),
-                }
+        let sites: Vec<Site> = (order.iter())
+            .map(|v| Site {
+                foot: relief.feet[*v as usize],
+                frame: frames[*v as usize],
             })
             .collect();
+        let (corners, incident) = ordered_triangles(&surface.mesh, &order);
+        let (mut partners, mut fans) = (Vec::with_capacity(order.len()), Vec::new());
+        for (row, vertex) in incident.rows().zip(&order) {
+            let surrounded = row.len() == adjacency.neighbors.row(*vertex as usize).len();
+            let index = |n: usize| u32::try_from(n).expect("a few times as many as samples");
+            partners.push(Partner {
+                slab: Slab::around(row.iter().map(|f| corners[*f as usize])).filter(|_| surrounded),
+                fan: (index(fans.len()), index(row.len())),
+            });
+            fans.extend_from_slice(row);
+        }
         let spacing = typical_edge(surface);
-        let boxes = foot_boxes(surface, spacing);
-        let feet = samples.iter().map(|s| s.foot).collect();
-        let grid = SiteGrid::new(feet, spacing, &boxes);
-        let range = samples.iter().map(|s| s.height);
-        let range = range.fold([f64::INFINITY, f64::NEG_INFINITY], widen);
+        let feet = sites.iter().map(|s| s.foot).collect();
+        let heights: Vec<f64> = order.iter().map(|v| relief.heights[*v as usize]).collect();
+        let none = [f64::INFINITY, f64::NEG_INFINITY];
+        let range = (heights.iter()).fold(none, |[low, high], h| [low.min(*h), high.max(*h)]);
         Self {
             base: *base,
+            grid: SiteGrid::new(feet, spacing, &foot_boxes(surface, spacing)),
+            sites,
+            partners,
             triangles: corners.iter().map(|t| PreparedTriangle::new(*t)).collect(),
-            incident,
-            has_colors: surface.colors.is_some(),
+            fans,
             height_range: (range[1] - range[0]).max(0.0),
-            grid,
-            samples,
+            heights,
+            colors: (surface.colors.as_ref())
+                .map(|colors| order.iter().map(|v| colors[*v as usize]).collect()),
+            scanned_vertices: (order.iter())
+                .map(|v| scanned_vertex(surface, *v))
+                .collect(),
         }
     }
 
     /// Number of samples.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.samples.len()
+        self.sites.len()
     }
 
     /// Whether there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.samples.is_empty()
+        self.sites.is_empty()
     }
 
     /// Height of a sample over the base.
     #[must_use]
     pub fn height(&self, sample: SampleId) -> f64 {
-        self.samples[sample.index()].height
+        self.heights[sample.index()]
     }
 
     /// Colour of a sample, in [0, 1].
     #[must_use]
     pub fn color(&self, sample: SampleId) -> Option<[f64; 3]> {
-        self.samples[sample.index()].color
+        self.colors.as_ref().map(|colors| colors[sample.index()])
     }
 
     /// The vertex that a sample stands for, of the surface before subdivision: itself, or for one in
     /// the middle of an edge the end with the lower index.
     #[must_use]
     pub fn scanned_vertex(&self, sample: SampleId) -> u32 {
-        self.samples[sample.index()].scanned_vertex
+        self.scanned_vertices[sample.index()]
+    }
+
+    /// The triangles around a sample.
+    pub(super) fn fan(&self, sample: u32) -> impl Iterator<Item = &PreparedTriangle> {
+        let (start, len) = self.partners[sample as usize].fan;
+        (self.fans[start as usize..][..len as usize].iter()).map(|f| &self.triangles[*f as usize])
     }
 
     /// The sample that stands to `found` as a target stands to its neighbor copied from there:
@@ -136,15 +157,11 @@ impl Samples {
         offset: &Vector3<f64>,
     ) -> Option<SampleId> {
         let turned = turned(offset, found.rotation, rotations);
-        let sample = &self.samples[found.sample.index()];
-        let moved = sample.foot + sample.frame.to_world(&turned);
+        let site = &self.sites[found.sample.index()];
+        let moved = site.foot + site.frame.to_world(&turned);
         let foot = self.base.foot(&moved).point;
         self.grid.nearest(&foot).map(SampleId)
     }
-}
-
-fn widen([low, high]: [f64; 2], x: f64) -> [f64; 2] {
-    [low.min(x), high.max(x)]
 }
 
 /// The vertices that a triangle uses, along a Z-order curve, so that samples which are looked at one
@@ -242,10 +259,4 @@ fn bulge(surface: &Subdivision, triangle: &[u32; 3]) -> f64 {
             edge * (relief.normals[a] - relief.normals[b]).norm() / 3.0
         })
         .fold(0.0, f64::max)
-}
-
-/// The slab around some of the triangles.
-fn slab(corners: &[[Point3<f64>; 3]], triangles: &[u32]) -> Slab {
-    let around = triangles.iter().map(|f| corners[*f as usize]);
-    Slab::around(around).expect("a sample has triangles")
 }

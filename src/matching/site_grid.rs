@@ -4,7 +4,7 @@
 use nalgebra::Point3;
 use rayon::prelude::*;
 
-use crate::mesh::{Csr, PointTree};
+use crate::mesh::PointTree;
 
 /// Cell size over typical distance of sites. Smaller cells list fewer sites but are more.
 const CELL_PER_SPACING: f64 = 0.7;
@@ -17,10 +17,20 @@ const KEY_BITS: u32 = 21;
 pub(super) struct SiteGrid {
     origin: Point3<f64>,
     inverse_cell: f64,
-    /// Open addressing: key + 1, or 0 where free; and the row of `sites`.
-    slots: Vec<(u64, u32)>,
-    sites: Csr,
+    /// Open addressing by the cells' keys.
+    slots: Vec<Slot>,
+    /// Sites of all cells, end to end.
+    sites: Vec<u32>,
     points: Vec<Point3<f64>>,
+}
+
+/// A cell's place in the list of sites.
+#[derive(Debug, Clone, Copy, Default)]
+struct Slot {
+    /// Key of the cell + 1, or 0 where free.
+    key: u64,
+    start: u32,
+    len: u32,
 }
 
 impl SiteGrid {
@@ -36,7 +46,7 @@ impl SiteGrid {
             origin: low,
             inverse_cell: 1.0 / cell,
             slots: Vec::new(),
-            sites: Csr::default(),
+            sites: Vec::new(),
             points,
         };
         let mut keys: Vec<u64> = Vec::new();
@@ -68,21 +78,48 @@ impl SiteGrid {
                 let nearest = tree.nearest(&center).distance_sq.sqrt();
                 // For any point of the cell the nearest site is at most this far from the center.
                 let reach = (nearest + 2.0 * half_diagonal) * (1.0 + 1e-9);
-                let mut row = tree.within(&center, reach);
-                row.sort_unstable();
-                row
+                self.undominated(tree.within(&center, reach), &center, 0.5 * cell)
             })
             .collect();
         let mask = (2 * keys.len()).next_power_of_two() - 1;
-        self.slots = vec![(0, 0); mask + 1];
-        for ((key, row), number) in keys.iter().zip(&rows).zip(0u32..) {
+        self.slots = vec![Slot::default(); mask + 1];
+        for (key, row) in keys.iter().zip(&rows) {
             let mut slot = hash(*key) & mask;
-            while self.slots[slot].0 != 0 {
+            while self.slots[slot].key != 0 {
                 slot = (slot + 1) & mask;
             }
-            self.slots[slot] = (key + 1, number);
-            self.sites.push_row(row);
+            let index = |n: usize| u32::try_from(n).expect("fewer than 2^32 sites in all cells");
+            self.slots[slot] = Slot {
+                key: key + 1,
+                start: index(self.sites.len()),
+                len: index(row.len()),
+            };
+            self.sites.extend_from_slice(row);
         }
+    }
+
+    /// Without the sites that are nowhere nearest in the cell: another is nearer to all its corners,
+    /// and so to all of it.
+    fn undominated(&self, mut sites: Vec<u32>, center: &Point3<f64>, half: f64) -> Vec<u32> {
+        sites.sort_unstable();
+        // Rounding: corners a little outside.
+        let half = half * (1.0 + 1e-6);
+        let corner = |i: usize| {
+            let sign = |bit: usize| if i >> bit & 1 == 1 { half } else { -half };
+            center + nalgebra::Vector3::new(sign(0), sign(1), sign(2))
+        };
+        let corners: [Point3<f64>; 8] = std::array::from_fn(corner);
+        let distances: Vec<[f64; 8]> = (sites.iter())
+            .map(|site| corners.map(|c| (c - self.points[*site as usize]).norm_squared()))
+            .collect();
+        let dominated = |j: usize| {
+            let beats = |i: &[f64; 8]| i.iter().zip(&distances[j]).all(|(i, j)| i < j);
+            distances.iter().any(beats)
+        };
+        (sites.iter().enumerate())
+            .filter(|(j, _)| !dominated(*j))
+            .map(|(_, site)| *site)
+            .collect()
     }
 
     #[expect(
@@ -91,7 +128,8 @@ impl SiteGrid {
         reason = "saturating; what is outside the grid is not found there"
     )]
     fn cell_of(&self, p: &Point3<f64>) -> [u64; 3] {
-        [0, 1, 2].map(|i| ((p[i] - self.origin[i]) * self.inverse_cell) as u64)
+        // By way of i64, whose conversion is one instruction.
+        [0, 1, 2].map(|i| ((p[i] - self.origin[i]) * self.inverse_cell) as i64 as u64)
     }
 
     fn center(&self, key: u64, cell: f64) -> Point3<f64> {
@@ -100,39 +138,50 @@ impl SiteGrid {
         self.origin + nalgebra::Vector3::new(coordinate(0), coordinate(1), coordinate(2)) * cell
     }
 
-    /// The cell that `p` is in; `None` far from the boxes.
+    /// The site nearest to `p`, ties to the lower index; `None` far from the boxes.
     #[inline]
-    fn cell(&self, p: &Point3<f64>) -> Option<u32> {
+    pub(super) fn nearest(&self, p: &Point3<f64>) -> Option<u32> {
+        let row = self.cell(p)?;
+        let (first, others) = row.split_first()?;
+        if others.is_empty() {
+            return Some(*first);
+        }
+        let mut best = (f64::INFINITY, *first);
+        for site in row {
+            let distance_sq = (self.points[*site as usize] - p).norm_squared();
+            if distance_sq < best.0 {
+                best = (distance_sq, *site);
+            }
+        }
+        Some(best.1)
+    }
+
+    /// The sites of the cell that `p` is in; `None` far from the boxes.
+    #[inline]
+    fn cell(&self, p: &Point3<f64>) -> Option<&[u32]> {
         if p.x < self.origin.x || p.y < self.origin.y || p.z < self.origin.z {
             return None;
         }
         let cell = self.cell_of(p);
-        if cell[0] | cell[1] | cell[2] >= 1 << KEY_BITS || self.slots.is_empty() {
+        if cell[0] | cell[1] | cell[2] >= 1 << KEY_BITS {
             return None;
         }
         let wanted = key(cell) + 1;
-        let mask = self.slots.len() - 1;
-        let mut slot = hash(wanted - 1) & mask;
+        let mask = self.slots.len().checked_sub(1)?;
+        let mut at = hash(wanted - 1) & mask;
         loop {
-            match self.slots[slot] {
-                (0, _) => return None,
-                (key, row) if key == wanted => return Some(row),
-                _ => slot = (slot + 1) & mask,
+            let slot = &self.slots[at];
+            if slot.key == wanted {
+                return self
+                    .sites
+                    .get(slot.start as usize..)?
+                    .get(..slot.len as usize);
             }
-        }
-    }
-
-    /// The site nearest to `p`, ties to the lower index; `None` far from the boxes.
-    #[inline]
-    pub(super) fn nearest(&self, p: &Point3<f64>) -> Option<u32> {
-        let mut best = (f64::INFINITY, None);
-        for site in self.sites.row(self.cell(p)? as usize) {
-            let distance_sq = (self.points[*site as usize] - p).norm_squared();
-            if distance_sq < best.0 {
-                best = (distance_sq, Some(*site));
+            if slot.key == 0 {
+                return None;
             }
+            at = (at + 1) & mask;
         }
-        best.1
     }
 }
 

@@ -47,6 +47,11 @@ pub enum StatsError {
     /// One of the parts is missing.
     #[error("no {0} triangle lies on the base surface: there is nothing to compare")]
     EmptyPart(&'static str),
+    /// No base surface is noted, and none fits.
+    #[error(
+        "no plane, sphere, cylinder or cone fits the original part, so there are no heights to compare"
+    )]
+    NoBase,
     /// See [`FitError`].
     #[error(transparent)]
     Fit(#[from] FitError),
@@ -104,12 +109,15 @@ pub fn compare(scan: &Scan) -> Result<Comparison, StatsError> {
     })
 }
 
-fn fitted_base(mesh: &TriMesh, originals: &[[u32; 3]]) -> Result<RememberedBase, FitError> {
+fn fitted_base(mesh: &TriMesh, originals: &[[u32; 3]]) -> Result<RememberedBase, StatsError> {
     let mesh = TriMesh {
         positions: mesh.positions.clone(),
         triangles: originals.to_vec(),
     };
     let fit = base::fit(&mesh, &FitParams::default())?;
+    if !fit.fits() {
+        return Err(StatsError::NoBase);
+    }
     Ok(RememberedBase {
         reach: relief::reach(&fit),
         surface: fit.base,
