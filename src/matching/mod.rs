@@ -9,6 +9,8 @@ mod query;
 mod samples;
 mod site_grid;
 mod slab;
+#[cfg(test)]
+mod tests;
 
 pub use exhaustive::{Match, Search, best_matches, match_cost};
 pub use query::{Neighbor, Query};

@@ -9,6 +9,8 @@ mod lattice;
 mod rims;
 mod spacing;
 mod subdivide;
+#[cfg(test)]
+mod tests;
 
 pub use fill::{Fill, FillError, Gap, fill, is_bounded};
 pub use spacing::{EdgeSpacing, SpacingRule, edge_spacing};
