@@ -1,7 +1,8 @@
 //! Which boundary loops to fill, grouped into gaps, and on which base surface.
 
-use crate::base::{self, BaseSurface, FitParams, FitReport};
+use crate::base::{self, BaseChoice, BaseKind, BaseSurface, FitParams, FitReport, Loss};
 use crate::mesh::{BoundaryLoop, LoopKind, TriMesh};
+use crate::relief;
 use crate::sampling::{Gap, is_bounded};
 
 use super::patch::{NumberedGap, Patch};
@@ -14,6 +15,9 @@ const ON_BASE_SHARE: f64 = 0.9;
 const SURROUNDING_VERTICES: usize = 400;
 /// … to this many times as many as it is predicted to need itself.
 const SURROUNDING_RATIO: f64 = 4.0;
+/// The narrow surroundings of a hole have this many times as many vertices as its rim: about three
+/// rings.
+const NARROW_RATIO: usize = 3;
 
 /// Numbers of the loops to fill, of those asked for one by one; extension is not among them.
 pub(super) fn choose(
@@ -181,6 +185,10 @@ fn main_component(input: &Input, whole: &Patch) -> Option<u32> {
 }
 
 /// Fits a base surface to the surroundings of a hole and completes the hole there.
+///
+/// First robustly to wide surroundings, as for a whole scan. Where these are of several surfaces (an
+/// arch in a battlement), to what is next to the rim alone, whatever relief that leaves; at last a
+/// plane, onto which every rim that does not fold over can be projected.
 pub(super) fn complete_on_own_base(
     input: &Input,
     gap: NumberedGap,
@@ -190,7 +198,45 @@ pub(super) fn complete_on_own_base(
 ) {
     let id = gap.rim_ids[0];
     let boundary = &input.loops[id];
-    let region = surroundings(input, boundary);
+    let wide = surroundings(input, boundary, enough_vertices(input, boundary));
+    let narrow = surroundings(input, boundary, NARROW_RATIO * boundary.vertices.len());
+    let on_wide = || {
+        let fit = fit_to(input, &wide, params, BaseChoice::Auto, Loss::Tukey);
+        let fit = fit.filter(FitReport::fits)?;
+        Some(Patch::own(input, &fit.base, relief::reach(&fit), &wide))
+    };
+    let on_narrow = |kind| {
+        let fit = fit_to(input, &narrow, params, kind, Loss::LeastSquares)?;
+        Some(Patch::own(
+            input,
+            &fit.base,
+            fit.max_residual * (1.0 + 1e-9),
+            &wide,
+        ))
+    };
+    let serves = |patch: &Patch| {
+        lies_on(patch, boundary) && is_bounded(&patch.base, &patch.relief, &gap.gap)
+    };
+    let patch = on_wide()
+        .filter(serves)
+        .or_else(|| on_narrow().filter(serves));
+    clock.end("own bases");
+    match patch {
+        Some(patch) => patch.complete(input, vec![gap], params, work, clock),
+        None => work.skipped.push(SkippedHole {
+            loops: vec![id],
+            reason: "its rim lies neither on the scan's base surface nor, with its surroundings, on one of its own; cut the scan down to one surface".to_owned(),
+        }),
+    }
+}
+
+/// The base surface of a region, of any kind.
+fn fit_to(
+    input: &Input,
+    region: &[bool],
+    params: &CompleteParams,
+    loss: Loss,
+) -> Option<FitReport> {
     let mesh = TriMesh {
         positions: input.mesh.positions.clone(),
         triangles: (input.mesh.triangles.iter())
@@ -198,34 +244,30 @@ pub(super) fn complete_on_own_base(
             .copied()
             .collect(),
     };
-    let any_kind = FitParams {
-        base: base::BaseChoice::Auto,
+    let params = FitParams {
+        base: kind,
+        loss,
         ..params.fit
     };
-    let fit = base::fit(&mesh, &any_kind);
-    clock.end("own bases");
-    let patch =
-        (fit.ok().filter(FitReport::fits)).map(|fit| Patch::new(input, &fit, Some(&region)));
-    match patch.filter(|patch| lies_on(patch, boundary)) {
-        Some(patch) => patch.complete(input, vec![gap], params, work, clock),
-        None => work.skipped.push(SkippedHole {
-            loops: vec![id],
-            reason: "it lies neither on the scan's base surface nor, with its surroundings, on one of its own; cut the scan down to one surface".to_owned(),
-        }),
-    }
+    base::fit(&mesh, &params).ok()
 }
 
-/// Vertices around a hole, ring by ring, until there is enough to fit and to copy from.
-fn surroundings(input: &Input, boundary: &BoundaryLoop) -> Vec<bool> {
+/// Size of the wide surroundings: enough to fit, and to copy the hole's relief from.
+fn enough_vertices(input: &Input, boundary: &BoundaryLoop) -> usize {
     let needed = boundary.area / input.spacing.spacing.powi(2);
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "saturating"
     )]
-    let enough = ((SURROUNDING_RATIO * needed) as usize)
+    let enough = (SURROUNDING_RATIO * needed) as usize;
+    enough
         .max(SURROUNDING_VERTICES)
-        .max(2 * boundary.vertices.len());
+        .max(2 * boundary.vertices.len())
+}
+
+/// Vertices around a hole, ring by ring, until there are enough.
+fn surroundings(input: &Input, boundary: &BoundaryLoop, enough: usize) -> Vec<bool> {
     let mut region = vec![false; input.mesh.positions.len()];
     let mut ring = boundary.vertices.clone();
     let mut count = 0;

@@ -96,7 +96,7 @@ pub fn complete(
         spacing,
     };
     let chosen = gaps::choose(&input.loops, params)?;
-    let whole = base_fits.then(|| Patch::new(&input, &fit, None));
+    let whole = base_fits.then(|| Patch::whole(&input, &fit));
     let samples = whole.as_ref().map_or(0, |whole| 4 * whole.triangles.len());
     if whole.is_some() && samples == 0 {
         return Err(CompletionError::NoSamples);

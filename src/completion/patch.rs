@@ -53,11 +53,19 @@ struct Planned {
 }
 
 impl Patch {
-    /// The part of the scan within `region` (all of it if `None`) that lies on the fitted base.
-    pub(super) fn new(input: &Input, fit: &FitReport, region: Option<&[bool]>) -> Self {
-        let relief = relief::extract(&input.mesh, &fit.base);
+    /// The part of the scan that lies on the base fitted to it.
+    pub(super) fn whole(input: &Input, fit: &FitReport) -> Self {
+        Self::new(input, &fit.base, relief::reach(fit), None)
+    }
+
+    /// The part within `region` that is at most `reach` from a base of its own.
+    pub(super) fn own(input: &Input, base: &BaseSurface, reach: f64, region: &[bool]) -> Self {
+        Self::new(input, base, reach, Some(region))
+    }
+
+    fn new(input: &Input, base: &BaseSurface, reach: f64, region: Option<&[bool]>) -> Self {
+        let relief = relief::extract(&input.mesh, base);
         let used = input.mesh.used_vertices();
-        let reach = relief::reach(fit);
         let on_base: Vec<bool> = (0..relief.heights.len())
             .map(|v| {
                 used[v] && relief.heights[v].abs() <= reach && region.is_none_or(|region| region[v])
@@ -73,7 +81,7 @@ impl Patch {
             .copied()
             .collect();
         Self {
-            base: fit.base,
+            base: *base,
             relief,
             on_base,
             triangles,
