@@ -217,9 +217,9 @@ pub(super) fn complete_on_own_base(
     let serves = |patch: &Patch| {
         lies_on(patch, boundary) && is_bounded(&patch.base, &patch.relief, &gap.gap)
     };
-    let patch = on_wide()
-        .filter(serves)
-        .or_else(|| on_narrow().filter(serves));
+    let patch = (on_wide().filter(serves))
+        .or_else(|| on_narrow(BaseChoice::Auto).filter(serves))
+        .or_else(|| on_narrow(BaseChoice::Kind(BaseKind::Plane)).filter(serves));
     clock.end("own bases");
     match patch {
         Some(patch) => patch.complete(input, vec![gap], params, work, clock),
@@ -230,11 +230,12 @@ pub(super) fn complete_on_own_base(
     }
 }
 
-/// The base surface of a region, of any kind.
+/// The base surface of a region.
 fn fit_to(
     input: &Input,
     region: &[bool],
     params: &CompleteParams,
+    kind: BaseChoice,
     loss: Loss,
 ) -> Option<FitReport> {
     let mesh = TriMesh {
