@@ -31,7 +31,7 @@ pub(super) fn choose(
     Ok(match &params.holes {
         HoleChoice::Interior => holes().map(|l| l.id).collect(),
         HoleChoice::All => (0..loops.len()).collect(),
-        HoleChoice::Largest => match holes().next() {
+        HoleChoice::Largest => match holes().max_by(|a, b| a.area.total_cmp(&b.area)) {
             Some(largest) => vec![largest.id],
             None if params.extend => Vec::new(),
             None => return Err(CompletionError::NoInteriorHole { rims: loops.len() }),

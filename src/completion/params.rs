@@ -15,7 +15,7 @@ pub enum HoleChoice {
     /// Outer rims, too, where the base surface closes behind them (a sphere does, a plane does
     /// not).
     All,
-    /// The longest hole.
+    /// The hole with the largest estimated area.
     Largest,
     /// These, holes or rims.
     Ids(Vec<usize>),
