@@ -26,7 +26,7 @@ use crate::base::{self, BaseChoice, BaseSurface};
 use crate::mesh::{Adjacency, BoundaryLoop, TriMesh, boundary_loops, vertex_normals};
 use crate::relief;
 use crate::sampling::{EdgeSpacing, edge_spacing};
-use crate::scan::{Added, Column, Scan};
+use crate::scan::{Added, Column, RANGE_GRID, Scan};
 
 use patch::{Added as AddedGap, Patch};
 
@@ -312,6 +312,9 @@ fn assemble(
     let completed = [vec![0u8; first], vec![1u8; points.len()]].concat();
     let mut out = scan.clone();
     let earlier = rename_foreign_channels(&mut out);
+    // The grid has become faces, and does not hold the new vertices. Kept beside the faces it stops
+    // other programs from reading the file.
+    out.other_elements.retain(|(name, _)| name != RANGE_GRID);
     out.append(&Added {
         positions: &points,
         colors: (input.colors.is_some() && !points.is_empty()).then_some(&colors),

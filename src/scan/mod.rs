@@ -36,6 +36,7 @@ pub use channel::{Channel, Column, Table};
 pub use error::ScanError;
 pub use format::{Format, WriteOptions, read, read_from, write, write_to};
 pub use output::OutputFile;
+pub use range_grid::RANGE_GRID;
 
 use nalgebra::Point3;
 

@@ -20,6 +20,9 @@ use crate::mesh::{Csr, triangle_normal};
 /// three real scans by less than 2 %.
 const LONGEST_EDGE: f64 = 7.0;
 
+/// Name of the element that holds a range grid.
+pub const RANGE_GRID: &str = "range_grid";
+
 /// Triangulates the scan's `range_grid`, if there is one and if it has no faces yet.
 ///
 /// Each cell of four neighbors gives two triangles, split along its shorter diagonal, or one where
@@ -31,7 +34,7 @@ pub(super) fn triangulate(scan: &mut Scan, name: &str) -> Result<(), ScanError> 
     if !scan.faces.is_empty() {
         return Ok(());
     }
-    let Some((_, table)) = scan.other_elements.iter().find(|(n, _)| n == "range_grid") else {
+    let Some((_, table)) = scan.other_elements.iter().find(|(n, _)| n == RANGE_GRID) else {
         return Ok(());
     };
     let grid = Grid::new(scan, table, name)?;
@@ -200,7 +203,7 @@ fn exact_index(value: f64, vertices: usize) -> Option<u32> {
 fn row_error(name: &str, row: usize, reason: String) -> ScanError {
     ScanError::Row {
         name: name.to_owned(),
-        element: "range_grid".to_owned(),
+        element: RANGE_GRID.to_owned(),
         row,
         reason,
     }
@@ -238,7 +241,7 @@ mod tests {
         scan.vertices.set_channel("z", Column::F32(z));
         let mut table = Table::default();
         table.set_channel("vertex_indices", Column::List(cells));
-        scan.other_elements.push(("range_grid".to_owned(), table));
+        scan.other_elements.push((RANGE_GRID.to_owned(), table));
         scan
     }
 
