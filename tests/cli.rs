@@ -458,7 +458,6 @@ fn a_closed_surface_is_refused() {
 }
 
 #[test]
-#[ignore = "the message gives no reason yet: `no hole could be filled; `"]
 fn an_outer_rim_alone_is_refused_with_advice() {
     let place = Place::with(
         "half.ply",
@@ -760,7 +759,6 @@ fn json_that_cannot_be_written_is_a_failure() {
 }
 
 #[test]
-#[ignore = "the JSON replaces the scan without a word"]
 fn the_json_never_replaces_the_scan() {
     let place = Place::with("in.ply", &holed(Kind::Waves));
     let before = place.bytes("in.ply");
@@ -780,7 +778,6 @@ fn the_json_never_replaces_the_scan() {
 }
 
 #[test]
-#[ignore = "the folder of the JSON is looked for when the scan is complete and written"]
 fn a_missing_folder_of_the_json_is_noticed_before_the_work() {
     let place = Place::with("in.ply", &holed(Kind::Waves));
     let run = place.run(&format!(
@@ -791,7 +788,6 @@ fn a_missing_folder_of_the_json_is_noticed_before_the_work() {
 }
 
 #[test]
-#[ignore = "errors that the parser of the command line finds are not in the JSON"]
 fn wrong_usage_is_in_the_json_too() {
     let place = Place::with("in.ply", &holed(Kind::Waves));
     let run = place.run("complete in.ply -o out.ply --base torus --json report.json");

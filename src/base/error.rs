@@ -39,6 +39,6 @@ pub enum FitError {
     #[error("the scale of the relief must be positive and finite, not {0}")]
     BadScale(f64),
     /// The surface asked for is determined by the vertices.
-    #[error("the vertices determine no {0:?}: choose another kind of base surface")]
+    #[error("the vertices determine no {0}: choose another kind of base surface")]
     Undetermined(BaseKind),
 }

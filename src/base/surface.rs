@@ -17,6 +17,17 @@ pub enum BaseKind {
     Cone,
 }
 
+impl std::fmt::Display for BaseKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(match self {
+            Self::Plane => "plane",
+            Self::Sphere => "sphere",
+            Self::Cylinder => "cylinder",
+            Self::Cone => "cone",
+        })
+    }
+}
+
 /// A plane; its normal is its outside.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Plane {

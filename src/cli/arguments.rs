@@ -1,10 +1,26 @@
 //! Values on the command line that are not plain numbers.
 
+use std::path::Path;
+
 use nalgebra::Vector3;
 use relievo::base::{BaseChoice, BaseKind};
 use relievo::completion::HoleChoice;
 use relievo::sampling::SpacingRule;
+use relievo::scan::Format;
 use relievo::synth::Kind;
+
+use super::outcome::Failure;
+
+/// The format to write a scan in.
+pub(super) fn output_format(path: &Path) -> Result<Format, Failure> {
+    match Format::of_path(path) {
+        Ok(format @ (Format::Ply | Format::Obj | Format::Stl)) => Ok(format),
+        Ok(Format::Off) | Err(_) => Err(Failure::usage(format!(
+            "{}: scans are written as .ply, .obj or .stl: give the output one of these extensions",
+            path.display()
+        ))),
+    }
+}
 
 pub(super) fn base(text: &str) -> Result<BaseChoice, String> {
     Ok(match text {

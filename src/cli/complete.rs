@@ -1,14 +1,13 @@
 //! `relievo complete`
 
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::Context;
 use clap::{Args, ValueEnum};
 use relievo::base::{BaseChoice, FitParams};
 use relievo::completion::{self, CompleteParams, CompletionError, CompletionReport, HoleChoice};
 use relievo::sampling::SpacingRule;
-use relievo::scan::{self, Format, OutputFile, WriteOptions};
+use relievo::scan::{self, OutputFile, WriteOptions};
 use relievo::stats;
 use serde_json::{Map, Value, json};
 
@@ -20,10 +19,10 @@ use super::{Common, arguments};
 pub(super) struct Arguments {
     /// The scan: PLY, OBJ, OFF or STL; - for PLY on standard input
     #[arg(value_name = "IN")]
-    input: PathBuf,
+    pub(super) input: PathBuf,
     /// The completed scan: .ply, .obj or .stl; - for PLY on standard output
     #[arg(short, long, value_name = "OUT")]
-    output: PathBuf,
+    pub(super) output: PathBuf,
     /// Base surface under the relief: auto, plane, sphere, cylinder or cone
     #[arg(long, value_name = "KIND", default_value = "auto", value_parser = arguments::base)]
     base: BaseChoice,
@@ -44,15 +43,26 @@ pub(super) struct Arguments {
     /// Number of rotations in which a neighborhood is tried
     #[arg(long, value_name = "R", default_value_t = 4)]
     rotations: u32,
-    /// Pick at random among matches up to this share above the best
-    #[arg(long, value_name = "SHARE", default_value_t = 0.1)]
+    /// Pick at random among matches that cost up to this share more than the best: 0.1 is 10 %
+    #[arg(
+        long,
+        value_name = "SHARE",
+        default_value_t = 0.1,
+        allow_negative_numbers = true
+    )]
     tolerance: f64,
-    /// Largest normalised cost of a match that is accepted at first; rises by 10 % when nothing is
-    #[arg(long, value_name = "E", default_value_t = 0.3)]
+    /// Largest normalised cost (0 to 1) of a match that is accepted at first; rises by 10 % when
+    /// nothing is
+    #[arg(
+        long,
+        value_name = "E",
+        default_value_t = 0.3,
+        allow_negative_numbers = true
+    )]
     error_threshold: f64,
     /// μ in (1 − μ)·shape + μ·colour: 0 matches by shape alone, 1 by colour alone [default: 0.5 with
     /// colours, 0 without]
-    #[arg(long, value_name = "MU")]
+    #[arg(long, value_name = "MU", allow_negative_numbers = true)]
     shape_weight: Option<f64>,
     /// Distance of new vertices: nyquist (the scan's short edges), scan (its median edge), or a
     /// length in the scan's unit
@@ -100,7 +110,6 @@ impl Arguments {
 pub(super) fn run(arguments: &Arguments, common: &Common) -> super::Result {
     let params = arguments.params(common.seed);
     let mut known = Map::new();
-    known.insert("input".into(), json!(arguments.input));
     known.insert("output".into(), json!(arguments.output));
     known.insert("method".into(), json!("paper"));
     known.insert("seed".into(), json!(common.seed));
@@ -117,22 +126,11 @@ fn work(
     params: &CompleteParams,
     known: &mut Map<String, Value>,
 ) -> super::Result {
-    let stdout = Path::new("-");
-    if arguments.output == stdout && common.json.as_deref() == Some(stdout) {
-        return Err(Failure::usage(
-            "-o - and --json - both want standard output: give one of them a file",
-        ));
-    }
-    let format = Format::of_path(&arguments.output).map_err(|error| Failure {
+    params.check().map_err(|error| Failure {
         usage: true,
         ..error.into()
     })?;
-    if format == Format::Off {
-        return Err(Failure::usage(format!(
-            "{}: OFF is only read; write .ply, .obj or .stl",
-            arguments.output.display()
-        )));
-    }
+    let format = arguments::output_format(&arguments.output)?;
     let protected = (!arguments.overwrite).then_some(arguments.input.as_path());
     let mut output = OutputFile::create(&arguments.output, protected)?;
     let input = scan::read(&arguments.input)?;
@@ -143,13 +141,10 @@ fn work(
     let report = &completion.report;
     describe(report, known);
     if report.filled.is_empty() {
-        let reasons: Vec<String> = (report.skipped.iter())
-            .map(|hole| format!("loop {}: {}", list(&hole.loops), hole.reason))
-            .collect();
         let message = format!(
             "{}: no hole could be filled; {}",
             arguments.input.display(),
-            reasons.join("; ")
+            by_reason(report).join("; ")
         );
         return Err(anyhow::Error::msg(message).into());
     }
@@ -175,17 +170,11 @@ fn work(
 }
 
 fn failed(error: CompletionError, arguments: &Arguments) -> Failure {
-    let usage = matches!(
-        error,
-        CompletionError::Parameter { .. } | CompletionError::NoSuchLoop { .. }
-    );
-    let error = Err::<(), _>(error).with_context(|| arguments.input.display().to_string());
-    match error {
-        Err(error) => Failure {
-            usage,
-            ..error.into()
-        },
-        Ok(()) => Failure::usage(""),
+    let usage = matches!(error, CompletionError::NoSuchLoop { .. });
+    let file = arguments.input.display().to_string();
+    Failure {
+        usage,
+        ..anyhow::Error::new(error).context(file).into()
     }
 }
 
@@ -202,20 +191,29 @@ fn tell(report: &CompletionReport, common: &Common) {
     }
     let counts = &report.counts;
     let mut text = format!(
-        "relievo: {:?} base, relief {:.4} (RMS); {} of {} chosen gap(s) filled with {} vertices and {} faces",
-        report.fit.base.kind(),
-        report.fit.inlier_rms,
+        "relievo: {}; {} of {} chosen gap(s) filled with {} vertices and {} faces",
+        if report.base_fits {
+            format!(
+                "{} base, relief {:.4} (RMS)",
+                report.fit.base.kind(),
+                report.fit.inlier_rms
+            )
+        } else {
+            "no single base surface fits, each hole has its own".to_owned()
+        },
         report.filled.len(),
         report.filled.len() + report.skipped.len(),
         counts.completed_vertices,
         counts.completed_faces,
     );
-    for hole in &report.skipped {
+    for reason in by_reason(report) {
+        let _ = write!(text, "\nrelievo: left open: {reason}");
+    }
+    if report.counts.rims_left > 0 {
         let _ = write!(
             text,
-            "\nrelievo: loop {} left open: {}",
-            list(&hole.loops),
-            hole.reason
+            "\nrelievo: {} outer rim(s) left alone (see relievo holes)",
+            report.counts.rims_left
         );
     }
     text.push('\n');
@@ -223,7 +221,19 @@ fn tell(report: &CompletionReport, common: &Common) {
     let _ = std::io::Write::write_all(&mut std::io::stderr(), text.as_bytes());
 }
 
-fn list(ids: &[usize]) -> String {
-    let ids: Vec<String> = ids.iter().map(ToString::to_string).collect();
-    ids.join(", ")
+/// The loops left open, those with the same reason together.
+fn by_reason(report: &CompletionReport) -> Vec<String> {
+    let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
+    for hole in &report.skipped {
+        let ids = hole.loops.iter().map(ToString::to_string);
+        match reasons
+            .iter_mut()
+            .find(|(reason, _)| *reason == hole.reason)
+        {
+            Some((_, known)) => known.extend(ids),
+            None => reasons.push((&hole.reason, ids.collect())),
+        }
+    }
+    let line = |(reason, ids): &(&str, Vec<String>)| format!("loop {}: {reason}", ids.join(", "));
+    reasons.iter().map(line).collect()
 }

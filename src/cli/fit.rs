@@ -16,7 +16,7 @@ use super::{Common, arguments};
 pub(super) struct Arguments {
     /// The scan: PLY, OBJ, OFF or STL; - for PLY on standard input
     #[arg(value_name = "IN")]
-    input: PathBuf,
+    pub(super) input: PathBuf,
     /// Base surface: auto, plane, sphere, cylinder or cone
     #[arg(long, value_name = "KIND", default_value = "auto", value_parser = arguments::base)]
     base: BaseChoice,
@@ -34,7 +34,6 @@ pub(super) fn run(arguments: &Arguments, common: &Common) -> super::Result {
         text: table(&fit),
         ..Reply::default()
     };
-    reply.json.insert("input".into(), json!(arguments.input));
     reply.json.insert("fits".into(), json!(fit.fits()));
     if let Value::Object(members) = json!(fit) {
         reply.json.extend(members);
@@ -68,7 +67,7 @@ fn table(fit: &FitReport) -> String {
         let _ = writeln!(
             text,
             "{:<9} {:>14.6} {:>14.6} {:>14.2}{}",
-            format!("{:?}", candidate.kind()).to_lowercase(),
+            candidate.kind(),
             candidate.rms,
             candidate.scale,
             candidate.criterion,

@@ -14,7 +14,7 @@ use super::outcome::Reply;
 pub(super) struct Arguments {
     /// The scan: PLY, OBJ, OFF or STL; - for PLY on standard input
     #[arg(value_name = "IN")]
-    input: PathBuf,
+    pub(super) input: PathBuf,
 }
 
 pub(super) fn run(arguments: &Arguments) -> super::Result {
@@ -56,7 +56,6 @@ pub(super) fn run(arguments: &Arguments) -> super::Result {
         text,
         ..Reply::default()
     };
-    reply.json.insert("input".into(), json!(arguments.input));
     reply.json.insert("holes".into(), json!(holes));
     reply.json.insert("rims".into(), json!(loops.len() - holes));
     reply.json.insert("loops".into(), json!(rows));

@@ -12,6 +12,7 @@ mod stats;
 mod synth;
 
 use std::ffi::OsString;
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
@@ -34,6 +35,7 @@ struct Cli {
 
 /// Options that mean the same in every subcommand.
 #[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Options of every command")]
 struct Common {
     /// Seed of all random choices: the same seed gives the same bytes
     #[arg(long, global = true, value_name = "N", default_value_t = 0)]
@@ -62,17 +64,21 @@ enum Command {
     Holes(holes::Arguments),
     /// Compare the original part of a completed scan with the completed part
     Stats(stats::Arguments),
-    /// Make a test scan with known truth
+    /// Make a test scan with known truth: by default with a hole, or --full, or seen from one side
     Synth(synth::Arguments),
 }
 
 /// Runs the command line and gives its exit code.
 pub(crate) fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
-    let cli = match Cli::try_parse_from(arguments) {
+    let arguments: Vec<OsString> = arguments.collect();
+    let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
         Err(error) => {
             // Help and version are no errors and go to stdout; a closed pipe is not ours to report.
             let _ = error.print();
+            if error.use_stderr() {
+                outcome::report_usage_error(&arguments, &error);
+            }
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }
     };
@@ -84,14 +90,32 @@ pub(crate) fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
             log::warn!("--threads: {error}");
         }
     }
-    let (name, reply) = match cli.command {
-        Command::Complete(arguments) => ("complete", complete::run(&arguments, &common)),
-        Command::Fit(arguments) => ("fit", fit::run(&arguments, &common)),
-        Command::Holes(arguments) => ("holes", holes::run(&arguments)),
-        Command::Stats(arguments) => ("stats", stats::run(&arguments)),
-        Command::Synth(arguments) => ("synth", synth::run(&arguments, &common)),
+    let (name, input, output) = cli.command.files();
+    let report = match outcome::Report::open(common.json.as_deref(), input, output) {
+        Ok(report) => report,
+        Err(failure) => return Outcome::of(name, input, Err(failure)).deliver(None),
     };
-    Outcome::of(name, reply).deliver(&common)
+    let reply = match &cli.command {
+        Command::Complete(arguments) => complete::run(arguments, &common),
+        Command::Fit(arguments) => fit::run(arguments, &common),
+        Command::Holes(arguments) => holes::run(arguments),
+        Command::Stats(arguments) => stats::run(arguments),
+        Command::Synth(arguments) => synth::run(arguments, &common),
+    };
+    Outcome::of(name, input, reply).deliver(report)
+}
+
+impl Command {
+    /// Its name, its input and its output.
+    fn files(&self) -> (&'static str, Option<&Path>, Option<&Path>) {
+        match self {
+            Self::Complete(a) => ("complete", Some(&a.input), Some(&a.output)),
+            Self::Fit(a) => ("fit", Some(&a.input), None),
+            Self::Holes(a) => ("holes", Some(&a.input), None),
+            Self::Stats(a) => ("stats", Some(&a.input), None),
+            Self::Synth(a) => ("synth", None, Some(&a.output)),
+        }
+    }
 }
 
 /// What a subcommand gives back.

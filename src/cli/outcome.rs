@@ -1,12 +1,12 @@
 //! What a subcommand gives back, and how it reaches the user: table, JSON, exit code.
 
+use std::ffi::OsString;
 use std::io::{ErrorKind, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
-use relievo::scan::OutputFile;
+use relievo::scan::{OutputFile, ScanError};
 use serde_json::{Map, Value, json};
-
-use super::Common;
 
 /// A subcommand's result.
 #[derive(Debug, Default)]
@@ -59,7 +59,7 @@ pub(super) struct Outcome {
 }
 
 impl Outcome {
-    pub(super) fn of(command: &str, reply: super::Result) -> Self {
+    pub(super) fn of(command: &str, input: Option<&Path>, reply: super::Result) -> Self {
         let mut json = Map::new();
         json.insert("command".into(), command.into());
         json.insert("version".into(), env!("CARGO_PKG_VERSION").into());
@@ -67,26 +67,30 @@ impl Outcome {
             Ok(reply) if reply.partly => ("partly", 3, reply.text, reply.json),
             Ok(reply) => ("done", 0, reply.text, reply.json),
             Err(failure) => {
-                log::error!("{:#}", failure.error);
+                let message = in_one_sentence(&failure.error);
+                log::error!("{message}");
                 let mut rest = failure.json;
-                rest.insert("error".into(), json!(format!("{:#}", failure.error)));
+                rest.insert("error".into(), message.into());
                 let code = if failure.usage { 2 } else { 1 };
                 ("failed", code, String::new(), rest)
             }
         };
         json.insert("status".into(), status.into());
+        if let Some(input) = input {
+            json.insert("input".into(), json!(input));
+        }
         json.extend(rest);
         Self { json, text, code }
     }
 
     /// Writes JSON and text where they belong.
-    pub(super) fn deliver(self, common: &Common) -> ExitCode {
-        let to_stdout = common.json.as_deref() == Some("-".as_ref());
+    pub(super) fn deliver(self, report: Option<Report>) -> ExitCode {
+        let to_stdout = report.as_ref().is_some_and(Report::is_stdout);
         let mut code = self.code;
-        if let Some(path) = &common.json
-            && let Err(error) = write_json(path, &Value::Object(self.json))
+        if let Some(report) = report
+            && let Err(error) = report.write(&Value::Object(self.json))
         {
-            log::error!("{error}");
+            log::error!("{}", in_one_sentence(&error));
             code = code.max(1);
         }
         if !to_stdout
@@ -101,14 +105,117 @@ impl Outcome {
     }
 }
 
-fn write_json(path: &std::path::Path, value: &Value) -> anyhow::Result<()> {
-    let mut output = OutputFile::create(path, None)?;
-    let mut text = serde_json::to_string_pretty(value)?;
-    text.push('\n');
-    match output.write_all(text.as_bytes()) {
-        Err(error) if error.kind() == ErrorKind::BrokenPipe => return Ok(()),
-        result => result.map_err(|source| output.error(source))?,
+/// The error and its causes, those left out that the text before them names already.
+fn in_one_sentence(error: &anyhow::Error) -> String {
+    let mut text = String::new();
+    for cause in error.chain() {
+        let cause = cause.to_string();
+        if text.is_empty() {
+            text = cause;
+        } else if !text.contains(&cause) {
+            text = format!("{text}: {cause}");
+        }
     }
-    output.commit()?;
-    Ok(())
+    text
+}
+
+/// Where the JSON goes: opened before the work, so that a folder that is missing is noticed then.
+#[derive(Debug)]
+pub(super) struct Report {
+    output: OutputFile,
+    stdout: bool,
+}
+
+impl Report {
+    /// Opens the report if one is asked for; it may be neither the input nor the output.
+    pub(super) fn open(
+        path: Option<&Path>,
+        input: Option<&Path>,
+        output: Option<&Path>,
+    ) -> Result<Option<Self>, Failure> {
+        let Some(path) = path else {
+            return Ok(None);
+        };
+        let stdout = path == Path::new("-");
+        if output.is_some_and(|output| same_place(output, path)) {
+            return Err(Failure::usage(format!(
+                "{}: the output and --json cannot both go there: give one of them another name",
+                path.display()
+            )));
+        }
+        match OutputFile::create(path, input.filter(|_| !stdout)) {
+            Ok(output) => Ok(Some(Self { output, stdout })),
+            Err(error) => Err(Failure {
+                usage: matches!(error, ScanError::WouldOverwrite { .. }),
+                ..error.into()
+            }),
+        }
+    }
+
+    fn is_stdout(&self) -> bool {
+        self.stdout
+    }
+
+    fn write(mut self, value: &Value) -> anyhow::Result<()> {
+        let mut text = serde_json::to_string_pretty(value)?;
+        text.push('\n');
+        match self.output.write_all(text.as_bytes()) {
+            Ok(()) => {}
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => return Ok(()),
+            Err(error) => return Err(self.output.error(error).into()),
+        }
+        match self.output.commit() {
+            Err(ScanError::Write { source, .. }) if source.kind() == ErrorKind::BrokenPipe => {
+                Ok(())
+            }
+            result => Ok(result?),
+        }
+    }
+}
+
+/// Whether two paths name one file, which need not exist.
+fn same_place(a: &Path, b: &Path) -> bool {
+    let resolved = |path: &Path| {
+        let folder = match path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        let file = path.file_name().unwrap_or_default().to_owned();
+        std::fs::canonicalize(path).or_else(|_| std::fs::canonicalize(folder).map(|f| f.join(file)))
+    };
+    a == b || matches!((resolved(a), resolved(b)), (Ok(a), Ok(b)) if a == b)
+}
+
+/// Writes the JSON for a command line that could not be understood, if it asks for one. A file that
+/// is there already is left alone: it may be the scan.
+pub(super) fn report_usage_error(arguments: &[OsString], error: &clap::Error) {
+    let mut words = arguments.iter().map(|word| word.to_string_lossy());
+    let path = words.find_map(|word| match word.strip_prefix("--json") {
+        Some("") => Some(None),
+        Some(rest) => rest.strip_prefix('=').map(|path| Some(path.to_owned())),
+        None => None,
+    });
+    let path = match path {
+        Some(Some(path)) => path,
+        Some(None) => match words.next() {
+            Some(path) => path.into_owned(),
+            None => return,
+        },
+        None => return,
+    };
+    if path != "-" && Path::new(&path).exists() {
+        return;
+    }
+    let value = json!({
+        "command": Value::Null,
+        "version": env!("CARGO_PKG_VERSION"),
+        "status": "failed",
+        "error": error.to_string().trim(),
+    });
+    let report = Report::open(Some(Path::new(&path)), None, None);
+    if let Ok(Some(report)) = report
+        && let Err(error) = report.write(&value)
+    {
+        log::error!("{error:#}");
+    }
 }

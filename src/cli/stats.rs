@@ -15,7 +15,7 @@ use super::outcome::Reply;
 pub(super) struct Arguments {
     /// A scan that `relievo complete` wrote as PLY; - for standard input
     #[arg(value_name = "COMPLETED")]
-    input: PathBuf,
+    pub(super) input: PathBuf,
 }
 
 pub(super) fn run(arguments: &Arguments) -> super::Result {
@@ -26,7 +26,6 @@ pub(super) fn run(arguments: &Arguments) -> super::Result {
         text: table(&comparison),
         ..Reply::default()
     };
-    reply.json.insert("input".into(), json!(arguments.input));
     if let Value::Object(members) = json!(comparison) {
         reply.json.extend(members);
     }

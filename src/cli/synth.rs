@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use nalgebra::Vector3;
-use relievo::scan::{self, Format, OutputFile, WriteOptions};
+use relievo::scan::{self, OutputFile, WriteOptions};
 use relievo::synth::{self, Kind, Part, SynthParams};
 use serde_json::json;
 
@@ -21,7 +21,7 @@ pub(super) struct Arguments {
     kind: Kind,
     /// The scan: .ply, .obj or .stl; - for PLY on standard output
     #[arg(short, long, value_name = "OUT")]
-    output: PathBuf,
+    pub(super) output: PathBuf,
     /// Number of vertices of the complete object
     #[arg(long, value_name = "N", default_value_t = 12_000)]
     vertices: usize,
@@ -33,7 +33,12 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FRACTION")]
     hole: Option<f64>,
     /// Standard deviation of the noise along the normal, in the object's unit (mm)
-    #[arg(long, value_name = "SIGMA", default_value_t = 0.0)]
+    #[arg(
+        long,
+        value_name = "SIGMA",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
     noise: f64,
     /// The complete object: what a completed scan may be compared with
     #[arg(long, conflicts_with_all = ["view", "hole"])]
@@ -64,16 +69,7 @@ impl Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments, common: &Common) -> super::Result {
-    let format = Format::of_path(&arguments.output).map_err(|error| Failure {
-        usage: true,
-        ..error.into()
-    })?;
-    if format == Format::Off {
-        return Err(Failure::usage(format!(
-            "{}: OFF is only read; write .ply, .obj or .stl",
-            arguments.output.display()
-        )));
-    }
+    let format = arguments::output_format(&arguments.output)?;
     let params = arguments.params(common.seed);
     let mut output = OutputFile::create(&arguments.output, None)?;
     let made = synth::scan(&params).map_err(|error| Failure {

@@ -25,7 +25,7 @@ pub enum CompletionError {
     Fit(#[from] FitError),
     /// See [`crate::base::FitReport::fits`].
     #[error(
-        "a {kind:?} does not fit: the vertices it leaves over are {rms} (RMS) away in a scan of size {size}; choose another --base, or cut the scan down to one surface"
+        "no base surface fits: over the best {kind} the relief would be {rms:.4} (RMS) high in a scan of size {size:.4}; choose another --base, or cut the scan down to one surface"
     )]
     BaseDoesNotFit {
         /// The kind that was fitted.
@@ -47,9 +47,7 @@ pub enum CompletionError {
         rims: usize,
     },
     /// A loop was asked for that is not there.
-    #[error(
-        "there is no boundary loop {id}: their numbers go from 0 to {last} (see the command holes)"
-    )]
+    #[error("there is no boundary loop {id}: the highest number is {last} (see relievo holes)")]
     NoSuchLoop {
         /// Number asked for.
         id: usize,

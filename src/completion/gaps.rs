@@ -57,6 +57,23 @@ pub(super) struct Plan {
     pub(super) skipped: Vec<SkippedHole>,
 }
 
+impl Plan {
+    pub(super) fn is_empty(&self) -> bool {
+        self.on_base.is_empty() && self.off_base.is_empty() && self.skipped.is_empty()
+    }
+}
+
+/// Number of outer rims that the plan does not touch.
+pub(super) fn rims_left(input: &Input, plan: &Plan) -> usize {
+    let taken = |id: usize| {
+        let gaps = plan.on_base.iter().chain(&plan.off_base);
+        gaps.flat_map(|gap| &gap.rim_ids).any(|taken| *taken == id)
+            || plan.skipped.iter().any(|hole| hole.loops.contains(&id))
+    };
+    let rims = input.loops.iter().filter(|l| l.kind == LoopKind::Rim);
+    rims.filter(|l| !taken(l.id)).count()
+}
+
 /// Groups the chosen loops into gaps, and adds those of the extension.
 pub(super) fn plan(
     input: &Input,

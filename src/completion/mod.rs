@@ -22,7 +22,7 @@ use std::time::Instant;
 use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::base::{self, BaseChoice, BaseSurface};
+use crate::base::{self, BaseChoice, BaseSurface, FitReport};
 use crate::mesh::{Adjacency, BoundaryLoop, TriMesh, boundary_loops, vertex_normals};
 use crate::relief;
 use crate::sampling::{EdgeSpacing, edge_spacing};
@@ -71,30 +71,10 @@ pub fn complete(
     params: &CompleteParams,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Completion, CompletionError> {
-    check(params)?;
+    params.check()?;
     let mut clock = Clock::new(progress);
-    let (mesh, origin) = centered_mesh(scan)?;
-    let adjacency = Adjacency::new(&mesh);
-    let loops = boundary_loops(&mesh, &adjacency);
-    clock.end("loops");
-    let fit = base::fit(&mesh, &params.fit)?;
+    let (input, fit, origin) = prepare(scan, params, &mut clock)?;
     let base_fits = fit.fits();
-    if !base_fits && (params.extend || params.fit.base != BaseChoice::Auto) {
-        return Err(CompletionError::BaseDoesNotFit {
-            kind: fit.base.kind(),
-            rms: fit.inlier_rms,
-            size: fit.diagonal,
-        });
-    }
-    clock.end("fit");
-    let spacing = edge_spacing(&mesh, params.spacing).ok_or(CompletionError::NoFaces)?;
-    let input = Input {
-        mesh,
-        adjacency,
-        loops,
-        colors: scan.colors(),
-        spacing,
-    };
     let chosen = gaps::choose(&input.loops, params)?;
     let whole = base_fits.then(|| Patch::whole(&input, &fit));
     let samples = whole.as_ref().map_or(0, |whole| 4 * whole.triangles.len());
@@ -102,6 +82,10 @@ pub fn complete(
         return Err(CompletionError::NoSamples);
     }
     let plan = gaps::plan(&input, whole.as_ref(), &chosen, params);
+    let rims_left = gaps::rims_left(&input, &plan);
+    if plan.is_empty() {
+        return Err(CompletionError::NoInteriorHole { rims: rims_left });
+    }
     let mut work = Work {
         skipped: plan.skipped,
         ..Work::default()
@@ -133,11 +117,12 @@ pub fn complete(
         completed_faces: work.faces(),
         samples,
         loops: input.loops.len(),
+        rims_left,
     };
     let mut report = CompletionReport {
         fit,
         base_fits,
-        spacing,
+        spacing: input.spacing,
         filled: work.filled(),
         skipped: work.skipped,
         counts,
@@ -145,6 +130,37 @@ pub fn complete(
     };
     report.translate(origin);
     Ok(Completion { scan, report })
+}
+
+/// The scan's mesh, loops and base surface, all around the scan's centroid, and the centroid.
+fn prepare(
+    scan: &Scan,
+    params: &CompleteParams,
+    clock: &mut Clock,
+) -> Result<(Input, FitReport, Vector3<f64>), CompletionError> {
+    let (mesh, origin) = centered_mesh(scan)?;
+    let adjacency = Adjacency::new(&mesh);
+    let loops = boundary_loops(&mesh, &adjacency);
+    clock.end("loops");
+    let scanned = scanned_vertices(scan, params);
+    let fit = base::fit(&scanned_part(&mesh, &scanned), &params.fit)?;
+    if !fit.fits() && (params.extend || params.fit.base != BaseChoice::Auto) {
+        return Err(CompletionError::BaseDoesNotFit {
+            kind: fit.base.kind(),
+            rms: fit.inlier_rms,
+            size: fit.diagonal,
+        });
+    }
+    clock.end("fit");
+    let input = Input {
+        spacing: edge_spacing(&mesh, params.spacing).ok_or(CompletionError::NoFaces)?,
+        mesh,
+        adjacency,
+        loops,
+        colors: scan.colors(),
+        scanned,
+    };
+    Ok((input, fit, origin))
 }
 
 /// The scan as every step sees it: around its centroid, so that large offsets (national grids) cost
@@ -156,6 +172,8 @@ struct Input {
     loops: Vec<BoundaryLoop>,
     colors: Option<Vec<[f64; 3]>>,
     spacing: EdgeSpacing,
+    /// Whether a vertex may be copied from; what an earlier completion invented may not.
+    scanned: Vec<bool>,
 }
 
 /// What was completed so far.
@@ -222,55 +240,6 @@ impl<'a> Clock<'a> {
     }
 }
 
-fn check(params: &CompleteParams) -> Result<(), CompletionError> {
-    let spacing = match params.spacing {
-        crate::sampling::SpacingRule::Length(length) => length,
-        _ => 1.0,
-    };
-    let rules: [(&'static str, &'static str, f64, bool); 6] = [
-        (
-            "--window",
-            "from 1 to 50",
-            params.window as f64,
-            (1..=50).contains(&params.window),
-        ),
-        (
-            "--rotations",
-            "from 1 to 360",
-            f64::from(params.rotations),
-            (1..=360).contains(&params.rotations),
-        ),
-        (
-            "--tolerance",
-            "0 or more",
-            params.tolerance,
-            params.tolerance >= 0.0,
-        ),
-        (
-            "--error-threshold",
-            "above 0",
-            params.error_threshold,
-            params.error_threshold > 0.0,
-        ),
-        (
-            "--shape-weight",
-            "from 0 to 1",
-            params.mu.unwrap_or(0.0),
-            params.mu.is_none_or(|mu| (0.0..=1.0).contains(&mu)),
-        ),
-        (
-            "--spacing",
-            "a positive length",
-            spacing,
-            spacing > 0.0 && spacing.is_finite(),
-        ),
-    ];
-    match rules.into_iter().find(|rule| !rule.3) {
-        Some((name, range, value, _)) => Err(CompletionError::Parameter { name, range, value }),
-        None => Ok(()),
-    }
-}
-
 /// The mesh around its centroid, and the centroid.
 fn centered_mesh(scan: &Scan) -> Result<(TriMesh, Vector3<f64>), CompletionError> {
     let mut mesh = scan.mesh();
@@ -311,7 +280,8 @@ fn assemble(
     let normals = new_normals(input, &points, &triangles, origin);
     let completed = [vec![0u8; first], vec![1u8; points.len()]].concat();
     let mut out = scan.clone();
-    let earlier = rename_foreign_channels(&mut out);
+    let earlier = earlier_marks(&out);
+    rename_foreign_channels(&mut out);
     // The grid has become faces, and does not hold the new vertices. Kept beside the faces it stops
     // other programs from reading the file.
     out.other_elements.retain(|(name, _)| name != RANGE_GRID);
@@ -354,30 +324,54 @@ fn new_normals(
     vertex_normals(&mesh).split_off(input.mesh.positions.len())
 }
 
-/// A scan completed before keeps its marks: returned are its `completed` and `source`. Channels of
-/// these names that mean something else are kept under another name.
-fn rename_foreign_channels(scan: &mut Scan) -> Option<(Vec<u8>, Vec<i32>)> {
-    let rows = 0..scan.vertices.rows;
+/// The `completed` and `source` channels of a scan that was completed before.
+fn earlier_marks(scan: &Scan) -> Option<(Vec<u8>, Vec<i32>)> {
     let values = |name: &str| -> Option<Vec<f64>> {
         let channel = scan.vertices.channel(name)?;
-        rows.clone()
+        (0..scan.vertices.rows)
             .map(|row| channel.values.get_f64(row))
             .collect()
     };
-    let marks = values(COMPLETED).filter(|marks| {
-        marks
-            .iter()
-            .all(|mark| mark.abs() <= 0.0 || (mark - 1.0).abs() <= 0.0)
-    });
-    let sources = values(SOURCE);
-    if let (Some(marks), Some(sources), Some(_)) = (marks, sources, values(HEIGHT)) {
-        let marks = marks.iter().map(|mark| u8::from(*mark > 0.5)).collect();
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "vertex indices, saturating"
-        )]
-        let sources = sources.iter().map(|source| *source as i32).collect();
-        return Some((marks, sources));
+    let (marks, sources, _) = (values(COMPLETED)?, values(SOURCE)?, values(HEIGHT)?);
+    let is_mark = |mark: &f64| mark.abs() <= 0.0 || (mark - 1.0).abs() <= 0.0;
+    if !marks.iter().all(is_mark) {
+        return None;
+    }
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "vertex indices, saturating"
+    )]
+    let sources = sources.iter().map(|source| *source as i32).collect();
+    Some((
+        marks.iter().map(|mark| u8::from(*mark > 0.5)).collect(),
+        sources,
+    ))
+}
+
+/// For each vertex whether it may be copied from: not if an earlier completion invented it, but for
+/// bootstrapping.
+fn scanned_vertices(scan: &Scan, params: &CompleteParams) -> Vec<bool> {
+    match earlier_marks(scan) {
+        Some((marks, _)) if !params.bootstrap => marks.iter().map(|mark| *mark == 0).collect(),
+        _ => vec![true; scan.vertices.rows],
+    }
+}
+
+/// The triangles whose corners were all scanned.
+fn scanned_part(mesh: &TriMesh, scanned: &[bool]) -> TriMesh {
+    TriMesh {
+        positions: mesh.positions.clone(),
+        triangles: (mesh.triangles.iter())
+            .filter(|t| t.iter().all(|v| scanned[*v as usize]))
+            .copied()
+            .collect(),
+    }
+}
+
+/// Keeps channels that happen to have the names of ours under other names, unless they are ours.
+fn rename_foreign_channels(scan: &mut Scan) {
+    if earlier_marks(scan).is_some() {
+        return;
     }
     for channel in &mut scan.vertices.channels {
         if [COMPLETED, HEIGHT, SOURCE].contains(&channel.name.as_str()) {
@@ -386,7 +380,6 @@ fn rename_foreign_channels(scan: &mut Scan) -> Option<(Vec<u8>, Vec<i32>)> {
             channel.name = name;
         }
     }
-    None
 }
 
 /// Start of the comment line that says which base surface the heights are over.

@@ -5,6 +5,8 @@ use serde::Serialize;
 use crate::base::FitParams;
 use crate::sampling::SpacingRule;
 
+use super::CompletionError;
+
 /// Which boundary loops to fill. Numbers are those of [`crate::mesh::boundary_loops`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -66,6 +68,61 @@ impl Default for CompleteParams {
             spacing: SpacingRule::default(),
             bootstrap: false,
             seed: 0,
+        }
+    }
+}
+
+impl CompleteParams {
+    /// Whether every parameter is in its range.
+    ///
+    /// # Errors
+    /// [`CompletionError::Parameter`] for the first that is not.
+    pub fn check(&self) -> Result<(), CompletionError> {
+        let spacing = match self.spacing {
+            SpacingRule::Length(length) => length,
+            _ => 1.0,
+        };
+        let rules: [(&'static str, &'static str, f64, bool); 6] = [
+            (
+                "--window",
+                "from 1 to 50",
+                self.window as f64,
+                (1..=50).contains(&self.window),
+            ),
+            (
+                "--rotations",
+                "from 1 to 360",
+                f64::from(self.rotations),
+                (1..=360).contains(&self.rotations),
+            ),
+            (
+                "--tolerance",
+                "0 or more",
+                self.tolerance,
+                self.tolerance >= 0.0,
+            ),
+            (
+                "--error-threshold",
+                "above 0",
+                self.error_threshold,
+                self.error_threshold > 0.0,
+            ),
+            (
+                "--shape-weight",
+                "from 0 to 1",
+                self.mu.unwrap_or(0.0),
+                self.mu.is_none_or(|mu| (0.0..=1.0).contains(&mu)),
+            ),
+            (
+                "--spacing",
+                "a positive length",
+                spacing,
+                spacing > 0.0 && spacing.is_finite(),
+            ),
+        ];
+        match rules.into_iter().find(|rule| !rule.3) {
+            Some((name, range, value, _)) => Err(CompletionError::Parameter { name, range, value }),
+            None => Ok(()),
         }
     }
 }

@@ -72,7 +72,7 @@ impl Patch {
             })
             .collect();
         let triangles = (input.mesh.triangles.iter())
-            .filter(|t| t.iter().all(|v| on_base[*v as usize]))
+            .filter(|t| (t.iter()).all(|v| on_base[*v as usize] && input.scanned[*v as usize]))
             .filter(|t| {
                 let [a, b, c] = t.map(|v| v as usize);
                 let normal = triangle_normal([relief.feet[a], relief.feet[b], relief.feet[c]]);
@@ -150,6 +150,12 @@ impl Patch {
             } = numbered;
             let spacing = input.spacing.spacing;
             match fill(&self.base, &self.relief, &input.adjacency, &gap, spacing) {
+                Ok(fill) if fill.triangles.is_empty() => work.skipped.push(SkippedHole {
+                    loops,
+                    reason:
+                        "nothing is missing there: the scan reaches to the end of the base surface"
+                            .to_owned(),
+                }),
                 Ok(fill) => {
                     let start = planned.last().map_or(0, |last| last.targets.end);
                     loops.extend(fill.islands.iter().map(|i| island_ids[*i]));

@@ -40,6 +40,8 @@ pub struct Counts {
     pub samples: usize,
     /// Boundary loops of the input.
     pub loops: usize,
+    /// Outer rims among them that were not chosen.
+    pub rims_left: usize,
 }
 
 /// A gap that was filled.

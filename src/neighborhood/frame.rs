@@ -1,6 +1,6 @@
 //! The tangent frame of a vertex.
 
-use nalgebra::{Rotation3, Unit, Vector3};
+use nalgebra::{Rotation3, Vector3};
 
 use crate::base::{BaseSurface, perpendicular_frame};
 
@@ -53,12 +53,28 @@ pub fn local_frames(base: &BaseSurface, normals: &[Vector3<f64>]) -> Vec<Frame> 
     let from_base = to_base.inverse();
     (normals.iter())
         .map(|normal| {
-            let [u, v] = perpendicular_frame(&Unit::new_unchecked(to_base * normal));
+            let local = to_base * normal;
+            let mut smallest = Vector3::zeros();
+            smallest[smallest_component(&local)] = 1.0;
+            let u = smallest.cross(&-local).normalize();
             Frame {
-                axes: [from_base * u, from_base * v, *normal],
+                axes: [from_base * u, from_base * local.cross(&u), *normal],
             }
         })
         .collect()
+}
+
+/// Index of the smallest component; of equal ones (but for rounding) the last, so that on a cylinder
+/// it is always the axis.
+fn smallest_component(v: &Vector3<f64>) -> usize {
+    let smaller = |i: usize, j: usize| {
+        if v[j].abs() <= v[i].abs() + 1e-9 {
+            j
+        } else {
+            i
+        }
+    };
+    smaller(smaller(0, 1), 2)
 }
 
 #[cfg(test)]
@@ -66,7 +82,7 @@ mod tests {
     use super::*;
     use crate::base::{Cylinder, Plane};
     use approx::assert_relative_eq;
-    use nalgebra::Point3;
+    use nalgebra::{Point3, Unit};
 
     #[test]
     fn frames_are_orthonormal_and_right_handed_and_go_there_and_back() {

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::base::{BaseSurface, FitReport};
+use crate::base::{BaseSurface, FitReport, MAX_RELIEF_SHARE};
 use crate::mesh::{TriMesh, triangle_normal};
 
 /// The relief of a mesh over its base surface, one row a vertex.
@@ -61,12 +61,21 @@ pub fn extract(mesh: &TriMesh, base: &BaseSurface) -> Relief {
 /// Heights beyond this many robust standard deviations are no relief: the roof of a tower over the
 /// cylinder of its shaft. Generous, since deep joints and vugs are what completion is for.
 const REACH: f64 = 12.0;
+/// … and beyond this many plain ones, where the robust one says little.
+const PLAIN_REACH: f64 = 4.0;
 
 /// Largest absolute height that counts as relief over a fitted base, in the scan's unit.
 #[must_use]
 pub fn reach(fit: &FitReport) -> f64 {
+    // Where most of the surface is flat the robust scale is (nearly) zero, however deep the rest is
+    // engraved; the plain one serves if even that is small against the scan.
+    let plain = if fit.rms <= MAX_RELIEF_SHARE * fit.diagonal {
+        PLAIN_REACH * fit.rms
+    } else {
+        0.0
+    };
     // Without any relief, rounding must not throw vertices off the base.
-    REACH * fit.scale + 1e-9 * fit.diagonal
+    (REACH * fit.scale).max(plain) + 1e-9 * fit.diagonal
 }
 
 /// Puts the relief back on its base: #V points.

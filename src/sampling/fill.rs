@@ -73,7 +73,7 @@ pub enum FillError {
     },
     /// The spacing asks for too many vertices.
     #[error(
-        "it would need about {predicted:.0} new vertices at a spacing of {spacing}, more than {MAX_TARGETS:.0}; give a larger --spacing"
+        "it would need about {predicted:.1e} new vertices at a spacing of {spacing:.1e}, more than {MAX_TARGETS:.0e}; give a larger --spacing"
     )]
     TooManyTargets {
         /// Predicted number.

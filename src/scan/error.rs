@@ -181,7 +181,7 @@ pub enum ScanError {
     },
     /// The output is not the input.
     #[error(
-        "{name} is the input and would be overwritten; choose another output, or ask for overwriting"
+        "{name} is the input and would be overwritten; choose another name, or allow it with --overwrite"
     )]
     WouldOverwrite {
         /// The path of the output.
