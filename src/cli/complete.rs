@@ -144,7 +144,10 @@ fn work(
         let message = format!(
             "{}: no hole could be filled; {}",
             arguments.input.display(),
-            by_reason(report).join("; ")
+            (by_reason(report).iter())
+                .map(|(ids, reason)| format!("loop {ids}: {reason}"))
+                .collect::<Vec<_>>()
+                .join("; ")
         );
         return Err(anyhow::Error::msg(message).into());
     }
@@ -206,34 +209,34 @@ fn tell(report: &CompletionReport, common: &Common) {
         counts.completed_vertices,
         counts.completed_faces,
     );
-    for reason in by_reason(report) {
-        let _ = write!(text, "\nrelievo: left open: {reason}");
-    }
     if report.counts.rims_left > 0 {
         let _ = write!(
             text,
-            "\nrelievo: {} outer rim(s) left alone (see relievo holes)",
+            "; {} outer rim(s) left alone",
             report.counts.rims_left
         );
+    }
+    for (ids, reason) in by_reason(report) {
+        let _ = write!(text, "\nrelievo: loop {ids} left open: {reason}");
     }
     text.push('\n');
     // Nowhere is left to report that standard error is closed.
     let _ = std::io::Write::write_all(&mut std::io::stderr(), text.as_bytes());
 }
 
-/// The loops left open, those with the same reason together.
-fn by_reason(report: &CompletionReport) -> Vec<String> {
-    let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
+/// The loops left open with the reason, those with the same reason together.
+fn by_reason(report: &CompletionReport) -> Vec<(String, &str)> {
+    let mut reasons: Vec<(String, &str)> = Vec::new();
     for hole in &report.skipped {
-        let ids = hole.loops.iter().map(ToString::to_string);
+        let ids: Vec<String> = hole.loops.iter().map(ToString::to_string).collect();
+        let ids = ids.join(", ");
         match reasons
             .iter_mut()
-            .find(|(reason, _)| *reason == hole.reason)
+            .find(|(_, reason)| *reason == hole.reason)
         {
-            Some((_, known)) => known.extend(ids),
-            None => reasons.push((&hole.reason, ids.collect())),
+            Some((known, _)) => *known = format!("{known}, {ids}"),
+            None => reasons.push((ids, &hole.reason)),
         }
     }
-    let line = |(reason, ids): &(&str, Vec<String>)| format!("loop {}: {reason}", ids.join(", "));
-    reasons.iter().map(line).collect()
+    reasons
 }

@@ -138,9 +138,9 @@ impl Report {
         };
         let stdout = path == Path::new("-");
         if output.is_some_and(|output| same_place(output, path)) {
+            let path = path.display();
             return Err(Failure::usage(format!(
-                "{}: the output and --json cannot both go there: give one of them another name",
-                path.display()
+                "-o {path} and --json {path} cannot both go there: give one of them another name"
             )));
         }
         match OutputFile::create(path, input.filter(|_| !stdout)) {

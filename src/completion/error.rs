@@ -25,7 +25,7 @@ pub enum CompletionError {
     Fit(#[from] FitError),
     /// See [`crate::base::FitReport::fits`].
     #[error(
-        "no base surface fits: over the best {kind} the relief would be {rms:.4} (RMS) high in a scan of size {size:.4}; choose another --base, or cut the scan down to one surface"
+        "a {kind} does not fit: the relief over it would be {rms:.4} (RMS) high in a scan of size {size:.4}; choose another --base, or cut the scan down to one surface"
     )]
     BaseDoesNotFit {
         /// The kind that was fitted.
