@@ -1,9 +1,11 @@
 //! Which boundary loops to fill, grouped into gaps, and on which base surface.
 
-use crate::base::{self, BaseChoice, BaseKind, BaseSurface, FitParams, FitReport, Loss};
-use crate::mesh::{BoundaryLoop, LoopKind, TriMesh};
+use nalgebra::{Point3, Unit, Vector3};
+
+use crate::base::{self, BaseChoice, BaseSurface, FitParams, FitReport, Loss, Plane};
+use crate::mesh::{BoundaryLoop, LoopKind, TriMesh, triangle_area, vector_area};
 use crate::relief;
-use crate::sampling::{Gap, is_bounded};
+use crate::sampling::{Gap, fill, is_bounded};
 
 use super::patch::{NumberedGap, Patch};
 use super::{Clock, CompleteParams, CompletionError, HoleChoice, Input, SkippedHole, Work};
@@ -15,6 +17,9 @@ const ON_BASE_SHARE: f64 = 0.9;
 const SURROUNDING_VERTICES: usize = 400;
 /// … to this many times as many as it is predicted to need itself.
 const SURROUNDING_RATIO: f64 = 4.0;
+/// A hole's own base serves if the fill has at most this many times the area of a disc with the rim's
+/// length around it; a hemisphere has twice that.
+const MOST_AREA_RATIO: f64 = 3.0;
 /// The narrow surroundings of a hole have this many times as many vertices as its rim: about three
 /// rings.
 const NARROW_RATIO: usize = 3;
@@ -204,8 +209,8 @@ fn main_component(input: &Input, whole: &Patch) -> Option<u32> {
 /// Fits a base surface to the surroundings of a hole and completes the hole there.
 ///
 /// First robustly to wide surroundings, as for a whole scan. Where these are of several surfaces (an
-/// arch in a battlement), to what is next to the rim alone, whatever relief that leaves; at last a
-/// plane, onto which every rim that does not fold over can be projected.
+/// arch in a battlement), to what is next to the rim alone, whatever relief that leaves; at last the
+/// plane of the rim, onto which every rim that does not fold over can be projected.
 pub(super) fn complete_on_own_base(
     input: &Input,
     gap: NumberedGap,
@@ -218,25 +223,26 @@ pub(super) fn complete_on_own_base(
     let wide = surroundings(input, boundary, enough_vertices(input, boundary));
     let narrow = surroundings(input, boundary, NARROW_RATIO * boundary.vertices.len());
     let on_wide = || {
-        let fit = fit_to(input, &wide, params, BaseChoice::Auto, Loss::Tukey);
-        let fit = fit.filter(FitReport::fits)?;
-        Some(Patch::own(input, &fit.base, relief::reach(&fit), &wide))
-    };
-    let on_narrow = |kind| {
-        let fit = fit_to(input, &narrow, params, kind, Loss::LeastSquares)?;
+        let (fit, side) =
+            fit_to(input, &wide, params, Loss::Tukey).filter(|(fit, _)| fit.fits())?;
         Some(Patch::own(
             input,
             &fit.base,
-            fit.max_residual * (1.0 + 1e-9),
+            side,
+            relief::reach(&fit),
             &wide,
         ))
     };
-    let serves = |patch: &Patch| {
-        lies_on(patch, boundary) && is_bounded(&patch.base, &patch.relief, &gap.gap)
+    let on_narrow = || {
+        let (fit, side) = fit_to(input, &narrow, params, Loss::LeastSquares)?;
+        let reach = fit.max_residual * (1.0 + 1e-9);
+        Some(Patch::own(input, &fit.base, side, reach, &wide))
     };
+    let serves =
+        |patch: &Patch| lies_on(patch, boundary) && is_filled_sparingly(input, patch, &gap);
     let patch = (on_wide().filter(serves))
-        .or_else(|| on_narrow(BaseChoice::Auto).filter(serves))
-        .or_else(|| on_narrow(BaseChoice::Kind(BaseKind::Plane)).filter(serves));
+        .or_else(|| on_narrow().filter(serves))
+        .or_else(|| on_rim_plane(input, boundary, &narrow, &wide).filter(serves));
     clock.end("own bases");
     match patch {
         Some(patch) => patch.complete(input, vec![gap], params, work, clock),
@@ -247,14 +253,38 @@ pub(super) fn complete_on_own_base(
     }
 }
 
-/// The base surface of a region.
+/// Whether the gap can be filled on the patch with about as much surface as its rim can span: a base
+/// that continues the wrong way around would take the long way.
+fn is_filled_sparingly(input: &Input, patch: &Patch, gap: &NumberedGap) -> bool {
+    let length = input.loops[gap.rim_ids[0]].length;
+    let most = MOST_AREA_RATIO * length * length / (4.0 * std::f64::consts::PI);
+    // Targets as far apart as that area allows: enough for the area, and soon done.
+    let spacing = input.spacing.spacing.max(0.05 * most.sqrt());
+    let filled = fill(
+        &patch.base,
+        &patch.relief,
+        &input.adjacency,
+        &gap.gap,
+        spacing,
+    );
+    filled.is_ok_and(|filled| {
+        let scanned = patch.relief.feet.len();
+        let foot = |v: u32| match (v as usize).checked_sub(scanned) {
+            None => patch.relief.feet[v as usize],
+            Some(target) => filled.targets[target],
+        };
+        let areas = filled.triangles.iter().map(|t| triangle_area(t.map(foot)));
+        areas.sum::<f64>() <= most
+    })
+}
+
+/// The base surface of a region, of any kind, and the side of it that the region faces.
 fn fit_to(
     input: &Input,
     region: &[bool],
     params: &CompleteParams,
-    kind: BaseChoice,
     loss: Loss,
-) -> Option<FitReport> {
+) -> Option<(FitReport, f64)> {
     let mesh = TriMesh {
         positions: input.mesh.positions.clone(),
         triangles: (input.mesh.triangles.iter())
@@ -263,11 +293,34 @@ fn fit_to(
             .collect(),
     };
     let params = FitParams {
-        base: kind,
+        base: BaseChoice::Auto,
         loss,
         ..params.fit
     };
-    base::fit(&mesh, &params).ok()
+    let fit = base::fit(&mesh, &params).ok()?;
+    let side = relief::facing(&mesh, &fit.base);
+    Some((fit, side))
+}
+
+/// The plane through a rim, seen from the side from which the hole runs counterclockwise.
+fn on_rim_plane(
+    input: &Input,
+    boundary: &BoundaryLoop,
+    narrow: &[bool],
+    wide: &[bool],
+) -> Option<Patch> {
+    let rim: Vec<_> = (boundary.vertices.iter())
+        .map(|v| input.mesh.positions[*v as usize])
+        .collect();
+    let normal = Unit::try_new(vector_area(&rim), 0.0)?;
+    let sum: Vector3<f64> = rim.iter().map(|p| p.coords).sum();
+    let point = Point3::from(sum / rim.len() as f64);
+    let plane = BaseSurface::Plane(Plane { point, normal });
+    let reach = (input.mesh.positions.iter().zip(narrow))
+        .filter(|(_, near)| **near)
+        .map(|(p, _)| plane.foot(p).height.abs())
+        .fold(0.0, f64::max);
+    Some(Patch::own(input, &plane, 1.0, reach * (1.0 + 1e-9), wide))
 }
 
 /// Size of the wide surroundings: enough to fit, and to copy the hole's relief from.

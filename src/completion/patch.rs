@@ -55,16 +55,29 @@ struct Planned {
 impl Patch {
     /// The part of the scan that lies on the base fitted to it.
     pub(super) fn whole(input: &Input, fit: &FitReport) -> Self {
-        Self::new(input, &fit.base, relief::reach(fit), None)
+        let side = relief::facing(&input.mesh, &fit.base);
+        Self::new(input, &fit.base, side, relief::reach(fit), None)
     }
 
-    /// The part within `region` that is at most `reach` from a base of its own.
-    pub(super) fn own(input: &Input, base: &BaseSurface, reach: f64, region: &[bool]) -> Self {
-        Self::new(input, base, reach, Some(region))
+    /// The part within `region` that is at most `reach` from the given side of a base of its own.
+    pub(super) fn own(
+        input: &Input,
+        base: &BaseSurface,
+        side: f64,
+        reach: f64,
+        region: &[bool],
+    ) -> Self {
+        Self::new(input, base, side, reach, Some(region))
     }
 
-    fn new(input: &Input, base: &BaseSurface, reach: f64, region: Option<&[bool]>) -> Self {
-        let relief = relief::extract(&input.mesh, base);
+    fn new(
+        input: &Input,
+        base: &BaseSurface,
+        side: f64,
+        reach: f64,
+        region: Option<&[bool]>,
+    ) -> Self {
+        let relief = relief::extract_on_side(&input.mesh.positions, base, side);
         let used = input.mesh.used_vertices();
         let on_base: Vec<bool> = (0..relief.heights.len())
             .map(|v| {

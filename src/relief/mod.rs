@@ -35,21 +35,32 @@ impl Relief {
     }
 }
 
-/// Takes the relief of every vertex off the base surface.
+/// Takes the relief of every vertex off the base surface, on the side that the triangles face.
 ///
 /// # Reference
 /// [Breckon & Fisher 2005](crate::bibliography#breckon--fisher-2005), §3 and Fig. 5.
 #[must_use]
 pub fn extract(mesh: &TriMesh, base: &BaseSurface) -> Relief {
-    let feet: Vec<_> = mesh.positions.iter().map(|p| base.foot(p)).collect();
+    extract_on_side(&mesh.positions, base, facing(mesh, base))
+}
+
+/// 1 if most of the triangles (by area) face the base surface's outside, −1 if its inside.
+#[must_use]
+pub fn facing(mesh: &TriMesh, base: &BaseSurface) -> f64 {
     let agreement: f64 = (mesh.triangles.iter().enumerate())
-        .map(|(f, [a, b, c])| {
-            let base_normal =
-                feet[*a as usize].normal + feet[*b as usize].normal + feet[*c as usize].normal;
+        .map(|(f, triangle)| {
+            let feet = triangle.map(|v| base.foot(&mesh.positions[v as usize]));
+            let base_normal: Vector3<f64> = feet.iter().map(|foot| foot.normal).sum();
             triangle_normal(mesh.corners(f)).dot(&base_normal)
         })
         .sum();
-    let side = if agreement < 0.0 { -1.0 } else { 1.0 };
+    if agreement < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// The relief of `points` on the given side of the base surface, see [`Relief::side`].
+#[must_use]
+pub fn extract_on_side(points: &[Point3<f64>], base: &BaseSurface, side: f64) -> Relief {
+    let feet: Vec<_> = points.iter().map(|p| base.foot(p)).collect();
     Relief {
         normals: feet.iter().map(|foot| foot.normal * side).collect(),
         heights: feet.iter().map(|foot| foot.height * side).collect(),
