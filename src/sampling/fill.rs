@@ -12,6 +12,7 @@ use crate::mesh::{Adjacency, PointTree, vector_area};
 use crate::relief::Relief;
 
 use super::lattice::{Angles, LatticePoint, Region, along_and_around};
+use super::rectangle::bounding_rectangle;
 use super::rims::{Rim, RimTriangulation, Vertex, insert};
 
 /// More target vertices than this are refused before anything is allocated for them: about what
@@ -270,54 +271,6 @@ fn region(
             }
         }
     }
-}
-
-/// The rectangle of least area around points of the plane, as corner and edge vectors: one of its
-/// sides lies along an edge of the convex hull (Freeman & Shapira 1975).
-fn bounding_rectangle(points: &[Point2<f64>]) -> (Point2<f64>, [nalgebra::Vector2<f64>; 2]) {
-    let hull = convex_hull(points);
-    let mut best = (f64::INFINITY, Point2::origin(), Default::default());
-    for i in 0..hull.len() {
-        let Some(x) = (hull[(i + 1) % hull.len()] - hull[i]).try_normalize(0.0) else {
-            continue;
-        };
-        let y = nalgebra::Vector2::new(-x.y, x.x);
-        let extent = |axis: &nalgebra::Vector2<f64>| {
-            let along = hull.iter().map(|p| p.coords.dot(axis));
-            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| {
-                (low.min(t), high.max(t))
-            })
-        };
-        let ((x0, x1), (y0, y1)) = (extent(&x), extent(&y));
-        let area = (x1 - x0) * (y1 - y0);
-        if area < best.0 {
-            let corner = Point2::from(x * x0 + y * y0);
-            best = (area, corner, [x * (x1 - x0), y * (y1 - y0)]);
-        }
-    }
-    (best.1, best.2)
-}
-
-/// Counterclockwise convex hull (Andrew's monotone chain).
-fn convex_hull(points: &[Point2<f64>]) -> Vec<Point2<f64>> {
-    let mut sorted = points.to_vec();
-    sorted.sort_unstable_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
-    let chain = |points: &mut dyn Iterator<Item = &Point2<f64>>| {
-        let mut chain: Vec<Point2<f64>> = Vec::new();
-        for p in points {
-            while let [.., a, b] = chain[..]
-                && (b - a).perp(&(p - a)) <= 0.0
-            {
-                chain.pop();
-            }
-            chain.push(*p);
-        }
-        chain.pop();
-        chain
-    };
-    let mut hull = chain(&mut sorted.iter());
-    hull.extend(chain(&mut sorted.iter().rev()));
-    hull
 }
 
 /// Distance of candidates from the rims, measured on the surface.

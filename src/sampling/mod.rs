@@ -6,6 +6,7 @@
 
 mod fill;
 mod lattice;
+mod rectangle;
 mod rims;
 mod spacing;
 mod subdivide;

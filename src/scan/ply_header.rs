@@ -80,26 +80,29 @@ struct Cleaner {
 
 impl Cleaner {
     fn add(&mut self, line: &str) -> Result<(), &'static str> {
-        let (keyword, rest) = line.split_once([' ', '\t']).unwrap_or((line, ""));
         let words: Vec<&str> = line.split_whitespace().collect();
-        let clean = match (keyword, words.as_slice()) {
-            ("", _) => return Ok(()),
-            ("comment", _) => {
-                self.comments.push(rest.to_owned());
+        let rest = || {
+            let rest = line.split_once(char::is_whitespace);
+            rest.map_or(String::new(), |(_, rest)| rest.to_owned())
+        };
+        let clean = match words.as_slice() {
+            [] => return Ok(()),
+            ["comment", ..] => {
+                self.comments.push(rest());
                 return Ok(());
             }
-            ("obj_info", _) => {
-                self.obj_info.push(rest.to_owned());
+            ["obj_info", ..] => {
+                self.obj_info.push(rest());
                 return Ok(());
             }
-            ("element", [_, name, count]) => {
+            ["element", name, count] => {
                 if self.elements.iter().any(|(known, _)| known == name) {
                     return Err("this element is declared twice");
                 }
                 self.elements.push(((*name).to_owned(), Vec::new()));
                 format!("element e{} {count}", self.elements.len() - 1)
             }
-            ("property", [types @ .., name]) => {
+            ["property", types @ .., name] => {
                 let Some((_, properties)) = self.elements.last_mut() else {
                     return Err("a property belongs behind an element");
                 };
@@ -107,9 +110,10 @@ impl Cleaner {
                     return Err("this property is declared twice");
                 }
                 properties.push((*name).to_owned());
-                format!("{} p{}", types.join(" "), properties.len() - 1)
+                format!("property {} p{}", types.join(" "), properties.len() - 1)
             }
-            _ => words.join(" "),
+            ["ply" | "format" | "end_header", ..] => words.join(" "),
+            _ => return Err("this is not a line of a PLY header"),
         };
         self.clean.push_str(&clean);
         self.clean.push('\n');
@@ -201,6 +205,15 @@ mod tests {
         let (header, _) =
             header(b"ply\nformat ascii 1.0\ncomment Gr\xfc\xdfe\nend_header\n").unwrap();
         assert_eq!(header.comments, ["Gr\u{fc}\u{df}e"]);
+    }
+
+    #[test]
+    fn any_white_space_parts_the_words() {
+        let text =
+            b"ply\nformat ascii 1.0\nelement\x0cvertex 1\nproperty\x0cfloat\x0bx\nend_header\n";
+        let (header, _) = header(text).unwrap();
+        assert_eq!(header.elements[0].properties, ["x"]);
+        assert_eq!(header.elements[0].def.properties.len(), 1);
     }
 
     #[test]
