@@ -3,7 +3,7 @@
 //! [`exhaustive`] is the paper's metric over every sample and every rotation: the reference that
 //! anything faster is tested against.
 
-mod exhaustive;
+pub mod exhaustive;
 mod point_triangle;
 mod query;
 mod samples;
