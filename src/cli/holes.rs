@@ -18,7 +18,8 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> super::Result {
-    let mesh = scan::read(&arguments.input)?.mesh();
+    // Centered as for completion, so that the numbers are the same to the last bit.
+    let (mesh, _) = scan::read(&arguments.input)?.mesh().centered();
     let loops = boundary_loops(&mesh, &Adjacency::new(&mesh));
     let mut text = format!(
         "{:>5} {:<5} {:>7} {:>14} {:>14} {:>9}\n",

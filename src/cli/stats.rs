@@ -46,7 +46,12 @@ fn table(comparison: &Comparison) -> String {
     ];
     for (name, old, new) in rows {
         let change = if name == "mean integral" || name == "RMS roughness" {
-            format!("{:+.2} %", 100.0 * (new / old - 1.0))
+            let percent = 100.0 * (new / old - 1.0);
+            if percent.is_finite() {
+                format!("{percent:+.2} %")
+            } else {
+                "-".to_owned()
+            }
         } else {
             String::new()
         };

@@ -68,12 +68,12 @@ impl Plan {
     }
 }
 
-/// Number of outer rims that the plan does not touch.
-pub(super) fn rims_left(input: &Input, plan: &Plan) -> usize {
+/// Number of outer rims that are neither filled nor skipped.
+pub(super) fn rims_left(input: &Input, work: &Work) -> usize {
     let taken = |id: usize| {
-        let gaps = plan.on_base.iter().chain(&plan.off_base);
-        gaps.flat_map(|gap| &gap.rim_ids).any(|taken| *taken == id)
-            || plan.skipped.iter().any(|hole| hole.loops.contains(&id))
+        let filled = work.added.iter().flat_map(|gap| &gap.report.loops);
+        let skipped = work.skipped.iter().flat_map(|hole| &hole.loops);
+        filled.chain(skipped).any(|taken| *taken == id)
     };
     let rims = input.loops.iter().filter(|l| l.kind == LoopKind::Rim);
     rims.filter(|l| !taken(l.id)).count()
@@ -92,18 +92,16 @@ pub(super) fn plan(
         skipped: Vec::new(),
     };
     let mut wanted: Vec<usize> = chosen.to_vec();
-    if let (HoleChoice::Interior, Some(whole)) = (&params.holes, whole) {
+    // An extension covers ring gaps, and all rims as far as the surface goes.
+    if whole.is_some_and(|whole| params.extend && !is_sphere(whole)) {
+        wanted.retain(|id| input.loops[*id].kind == LoopKind::Hole);
+    } else if let (HoleChoice::Interior, Some(whole)) = (&params.holes, whole) {
         wanted.extend(ring_gaps(input, whole));
     }
     for id in wanted {
         let boundary = &input.loops[id];
         if let Some([a, b]) = boundary.defect {
-            plan.skipped.push(SkippedHole {
-                loops: vec![id],
-                reason: format!(
-                    "more than two triangles meet, or two are oriented against each other, at its edge between vertices {a} and {b}; repair the scan there"
-                ),
-            });
+            plan.skipped.push(broken(id, [a, b]));
         } else if whole.is_some_and(|whole| lies_on(whole, boundary)) {
             plan.on_base.push(single_gap(input, id));
         } else {
@@ -114,6 +112,19 @@ pub(super) fn plan(
         extend(input, whole, &mut plan);
     }
     plan
+}
+
+fn is_sphere(patch: &Patch) -> bool {
+    matches!(patch.base, BaseSurface::Sphere(_))
+}
+
+fn broken(id: usize, [a, b]: [u32; 2]) -> SkippedHole {
+    SkippedHole {
+        loops: vec![id],
+        reason: format!(
+            "more than two triangles meet, or two are oriented against each other, at its edge between vertices {a} and {b}; repair the scan there"
+        ),
+    }
 }
 
 /// Whether a loop lies on the patch's base surface.
@@ -169,11 +180,19 @@ fn extend(input: &Input, whole: &Patch, plan: &mut Plan) {
     let taken: Vec<usize> = (plan.on_base.iter().chain(&plan.off_base))
         .flat_map(|gap| gap.rim_ids.iter().copied())
         .collect();
-    let rims: Vec<&BoundaryLoop> = (input.loops.iter())
-        .filter(|l| l.kind == LoopKind::Rim && l.component == main && l.defect.is_none())
+    let mut rims: Vec<&BoundaryLoop> = (input.loops.iter())
+        .filter(|l| l.kind == LoopKind::Rim && l.component == main)
         .filter(|l| !taken.contains(&l.id))
         .collect();
-    if matches!(whole.base, BaseSurface::Sphere(_)) {
+    for rim in &rims {
+        if let Some(edge) = rim.defect
+            && !plan.skipped.iter().any(|hole| hole.loops.contains(&rim.id))
+        {
+            plan.skipped.push(broken(rim.id, edge));
+        }
+    }
+    rims.retain(|l| l.defect.is_none());
+    if is_sphere(whole) {
         plan.on_base
             .extend(rims.iter().map(|l| single_gap(input, l.id)));
         return;

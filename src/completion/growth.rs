@@ -12,6 +12,9 @@ use crate::rng::Rng;
 /// Factor by which the error threshold rises when a whole front makes no progress.
 const THRESHOLD_RISE: f64 = 1.1;
 
+/// The threshold starts no lower: from 1e-300 it would take thousands of fronts to rise to any cost.
+const LEAST_THRESHOLD: f64 = 1e-6;
+
 /// Scan and targets as one surface, what is known of it and what is not.
 #[derive(Debug)]
 pub(super) struct Canvas {
@@ -80,7 +83,7 @@ impl<'a> Growth<'a> {
             windows: vec![params.window; targets],
             matches: vec![None; targets],
             sources: vec![0; targets],
-            threshold: params.error_threshold,
+            threshold: params.error_threshold.max(LEAST_THRESHOLD),
             collector: Window::new(canvas.points.len()),
             params,
             canvas,
@@ -104,7 +107,7 @@ impl<'a> Growth<'a> {
             if front.is_empty() {
                 break;
             }
-            let (mut accepted, mut can_go_on) = (0, false);
+            let (mut accepted, mut too_costly, mut shrunk) = (0, false, false);
             for target in front {
                 match self.complete(target, &samples, rng) {
                     Outcome::Accepted => {
@@ -112,17 +115,20 @@ impl<'a> Growth<'a> {
                         progress(done + accepted);
                     }
                     Outcome::TooCostly => {
-                        can_go_on |= self.threshold <= 1.0 || self.shrink_window(target);
+                        too_costly = true;
+                        self.shrink_window(target);
                     }
-                    Outcome::NoMatch => can_go_on |= self.shrink_window(target),
+                    Outcome::NoMatch => shrunk |= self.shrink_window(target),
                 }
             }
             done += accepted;
             if accepted == 0 {
-                if !can_go_on {
+                // Costs are at most 1, so this ends: the threshold gets there, windows get to 1.
+                if too_costly {
+                    self.threshold *= THRESHOLD_RISE;
+                } else if !shrunk {
                     break;
                 }
-                self.threshold *= THRESHOLD_RISE;
             } else if let Some(renewed) = renewed_samples(self.canvas) {
                 samples = renewed;
             }
@@ -179,9 +185,15 @@ impl<'a> Growth<'a> {
         let window = self
             .collector
             .around(&canvas.adjacency.neighbors, index(v), radius);
-        let neighbors = (window.iter())
-            .map(|n| *n as usize)
-            .filter(|n| canvas.known[*n])
+        let known = || {
+            let window = window.iter().map(|n| *n as usize);
+            window.filter(|n| canvas.known[*n])
+        };
+        // Only ratios of weights count; relative to the nearest neighbor they cannot all vanish.
+        let nearest_sq = known()
+            .map(|n| (canvas.relief.feet[n] - foot).norm_squared())
+            .fold(f64::INFINITY, f64::min);
+        let neighbors = known()
             .map(|n| {
                 Neighbor::new(
                     &foot,
@@ -189,7 +201,7 @@ impl<'a> Growth<'a> {
                     &canvas.relief.feet[n],
                     &canvas.points[n],
                     canvas.colors.as_ref().map(|colors| colors[n]),
-                    |distance_sq| gaussian_weight(distance_sq, sigma),
+                    |distance_sq| gaussian_weight(distance_sq - nearest_sq, sigma),
                 )
             })
             .collect();

@@ -72,14 +72,14 @@ pub fn complete(
     let base_fits = fit.fits();
     let chosen = gaps::choose(&input.loops, params)?;
     let whole = base_fits.then(|| Patch::whole(&input, &fit));
-    let samples = whole.as_ref().map_or(0, |whole| 4 * whole.triangles.len());
-    if whole.is_some() && samples == 0 {
+    if (whole.as_ref()).is_some_and(|whole| whole.triangles.is_empty()) {
         return Err(CompletionError::NoSamples);
     }
     let plan = gaps::plan(&input, whole.as_ref(), &chosen, params);
-    let rims_left = gaps::rims_left(&input, &plan);
     if plan.is_empty() {
-        return Err(CompletionError::NoInteriorHole { rims: rims_left });
+        return Err(CompletionError::NoInteriorHole {
+            rims: input.loops.len(),
+        });
     }
     let mut work = Work {
         skipped: plan.skipped,
@@ -110,9 +110,9 @@ pub fn complete(
         original_faces: scan.faces.len() - work.faces(),
         completed_vertices: work.vertices(),
         completed_faces: work.faces(),
-        samples,
+        samples: work.samples,
         loops: input.loops.len(),
-        rims_left,
+        rims_left: gaps::rims_left(&input, &work),
     };
     let mut report = CompletionReport {
         fit,
@@ -133,7 +133,10 @@ fn prepare(
     params: &CompleteParams,
     clock: &mut Clock,
 ) -> Result<(Input, FitReport, Vector3<f64>), CompletionError> {
-    let (mesh, origin) = centered_mesh(scan)?;
+    let (mesh, origin) = scan.mesh().centered();
+    if mesh.triangles.is_empty() {
+        return Err(CompletionError::NoFaces);
+    }
     let adjacency = Adjacency::new(&mesh);
     let loops = boundary_loops(&mesh, &adjacency);
     clock.end("loops");
@@ -176,6 +179,8 @@ struct Input {
 struct Work {
     added: Vec<AddedGap>,
     skipped: Vec<SkippedHole>,
+    /// Samples searched on the scan's own base surface.
+    samples: usize,
     /// Number of patches begun: each has random numbers of its own.
     patches: u32,
 }
@@ -233,19 +238,6 @@ impl<'a> Clock<'a> {
             None => self.stages.push(StageTime { stage, seconds }),
         }
     }
-}
-
-/// The mesh around its centroid, and the centroid.
-fn centered_mesh(scan: &Scan) -> Result<(TriMesh, Vector3<f64>), CompletionError> {
-    let mut mesh = scan.mesh();
-    if mesh.triangles.is_empty() {
-        return Err(CompletionError::NoFaces);
-    }
-    let origin = mesh.centroid().coords;
-    for p in &mut mesh.positions {
-        *p -= origin;
-    }
-    Ok((mesh, origin))
 }
 
 /// For each vertex whether it may be copied from: not if an earlier completion invented it, but for

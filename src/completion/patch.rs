@@ -131,6 +131,9 @@ impl Patch {
         } else {
             let samples = self.samples(&input.mesh, &self.relief, input.colors.as_deref());
             clock.end("samples");
+            if !self.own {
+                work.samples = samples.len();
+            }
             let growth = Growth::new(&mut canvas, &self.base, growth_params(input, params));
             let joint = params.bootstrap.then(|| joint_triangles(input, &planned));
             let grown = growth.run(

@@ -19,7 +19,7 @@ pub use geometry::{
 };
 pub use nearest::{Nearest, PointTree};
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 /// A triangle mesh: positions (#V by 3, in the scan's unit) and triangles (#F by 3, indices of
 /// vertices, counterclockwise as seen from outside).
@@ -42,7 +42,7 @@ impl TriMesh {
     #[must_use]
     pub fn centroid(&self) -> Point3<f64> {
         let used = self.used_vertices();
-        let mut sum = nalgebra::Vector3::zeros();
+        let mut sum = Vector3::zeros();
         let mut count = 0.0;
         for (p, _) in self.positions.iter().zip(&used).filter(|(_, used)| **used) {
             sum += p.coords;
@@ -53,6 +53,17 @@ impl TriMesh {
         } else {
             Point3::from(sum / count)
         }
+    }
+
+    /// The same mesh around its centroid, and the centroid: large offsets (national grids) would cost
+    /// precision.
+    #[must_use]
+    pub fn centered(mut self) -> (Self, Vector3<f64>) {
+        let origin = self.centroid().coords;
+        for p in &mut self.positions {
+            *p -= origin;
+        }
+        (self, origin)
     }
 
     /// For each vertex, whether a triangle uses it.

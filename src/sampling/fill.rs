@@ -181,12 +181,13 @@ fn plane_rims(
         .collect();
     let islands: Vec<(usize, Rim)> = (gap.islands.iter().enumerate())
         .map(|(i, island)| (i, Rim::new(island, &relief.feet, chart)))
-        .filter(|(_, island)| island.signed_area() < 0.0)
         .filter(|(_, island)| {
+            // An extension goes all around the axis: pieces of surface may lie on either side.
             gap.extend_over.is_some()
-                || rims
-                    .iter()
-                    .any(|rim| island.chart.iter().all(|q| rim.contains(q)))
+                || island.signed_area() < 0.0
+                    && rims
+                        .iter()
+                        .any(|rim| island.chart.iter().all(|q| rim.contains(q)))
         })
         .collect();
     let indices: BTreeMap<Vec<u32>, usize> = (islands.iter())
@@ -326,10 +327,7 @@ impl Builder<'_> {
         let mut hint: Option<FixedVertexHandle> = None;
         for (position, point) in inside {
             let vertex = self.target(position, point.border);
-            hint = Some(match hint {
-                Some(hint) => rims.cdt.insert_with_hint(vertex, hint)?,
-                None => insert(&mut rims.cdt, vertex)?,
-            });
+            hint = Some(insert(&mut rims.cdt, vertex, hint)?);
         }
         self.split_doubled_edges(&mut rims)?;
         let in_gap = rims.gap_faces(self.open).ok_or(FillError::Unbounded)?;
@@ -365,11 +363,13 @@ impl Builder<'_> {
     fn split_doubled_edges(&mut self, rims: &mut RimTriangulation) -> Result<(), FillError> {
         loop {
             let in_gap = rims.gap_faces(self.open).ok_or(FillError::Unbounded)?;
-            let doubled: Vec<Point2<f64>> = (rims.cdt.undirected_edges())
+            let doubled: Vec<([u32; 2], Point2<f64>)> = (rims.cdt.undirected_edges())
                 .filter(|edge| !edge.is_constraint_edge())
                 .filter(|edge| {
-                    let face = edge.as_directed().face();
-                    face.as_inner().is_some() && in_gap[face.fix().index()]
+                    let edge = edge.as_directed();
+                    [edge.face(), edge.rev().face()]
+                        .iter()
+                        .all(|face| face.as_inner().is_some() && in_gap[face.fix().index()])
                 })
                 .map(|edge| edge.vertices().map(|vertex| *vertex.data()))
                 .filter(|[a, b]| {
@@ -379,14 +379,23 @@ impl Builder<'_> {
                             .binary_search(&b.index)
                             .is_ok()
                 })
-                .map(|[a, b]| nalgebra::center(&a.position, &b.position))
+                .map(|[a, b]| {
+                    (
+                        [a.index, b.index],
+                        nalgebra::center(&a.position, &b.position),
+                    )
+                })
                 .collect();
             if doubled.is_empty() {
                 return Ok(());
             }
-            for position in doubled {
+            for (edge, position) in doubled {
                 let vertex = self.target(position, false);
-                insert(&mut rims.cdt, vertex)?;
+                let before = rims.cdt.num_vertices();
+                insert(&mut rims.cdt, vertex, None)?;
+                if rims.cdt.num_vertices() == before {
+                    return Err(FillError::RimCrosses { edge });
+                }
             }
         }
     }

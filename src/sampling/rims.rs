@@ -4,7 +4,9 @@ use std::collections::VecDeque;
 
 use nalgebra::{Point2, Point3};
 use spade::handles::{FixedFaceHandle, FixedVertexHandle, InnerTag};
-use spade::{ConstrainedDelaunayTriangulation, HasPosition, InsertionError, Triangulation};
+use spade::{
+    ConstrainedDelaunayTriangulation, HasPosition, PositionInTriangulation, Triangulation,
+};
 
 use crate::base::Chart;
 
@@ -134,19 +136,21 @@ impl RimTriangulation {
     fn insert_vertices(&mut self, rim: &Rim) -> Result<Vec<FixedVertexHandle>, FillError> {
         let mut handles = Vec::with_capacity(rim.vertices.len());
         for (index, position) in rim.vertices.iter().zip(&rim.chart) {
-            let known = self.cdt.num_vertices();
-            let handle = insert(
-                &mut self.cdt,
-                Vertex {
-                    position: *position,
-                    index: *index,
-                    border: false,
-                },
-            )?;
-            // A position that was taken: the same vertex met again (rims that touch) is fine.
-            if self.cdt.num_vertices() == known && self.cdt.vertex(handle).data().index != *index {
-                return Err(FillError::RimFolds { vertex: *index });
-            }
+            let vertex = snapped(Vertex {
+                position: *position,
+                index: *index,
+                border: false,
+            });
+            // A position that is taken: the same vertex met again (rims that touch) is fine.
+            let handle = match self.cdt.locate(vertex.position()) {
+                PositionInTriangulation::OnVertex(taken) => {
+                    if self.cdt.vertex(taken).data().index != *index {
+                        return Err(FillError::RimFolds { vertex: *index });
+                    }
+                    taken
+                }
+                _ => insert(&mut self.cdt, vertex, None)?,
+            };
             handles.push(handle);
         }
         Ok(handles)
@@ -208,10 +212,19 @@ impl RimTriangulation {
     }
 }
 
-/// Inserts a vertex; coordinates that the predicates cannot hold become an error.
-pub(super) fn insert(cdt: &mut Cdt, vertex: Vertex) -> Result<FixedVertexHandle, FillError> {
-    cdt.insert(snapped(vertex))
-        .map_err(|source| FillError::ChartRange { source })
+/// Inserts a vertex, near `hint` if it is known; coordinates that the predicates cannot hold become an
+/// error.
+pub(super) fn insert(
+    cdt: &mut Cdt,
+    vertex: Vertex,
+    hint: Option<FixedVertexHandle>,
+) -> Result<FixedVertexHandle, FillError> {
+    let vertex = snapped(vertex);
+    let inserted = match hint {
+        Some(hint) => cdt.insert_with_hint(vertex, hint),
+        None => cdt.insert(vertex),
+    };
+    inserted.map_err(|source| FillError::ChartRange { source })
 }
 
 /// Coordinates too small for the predicates are zero.
@@ -249,10 +262,4 @@ fn add_constraints(
         }
     }
     Ok(())
-}
-
-impl From<InsertionError> for FillError {
-    fn from(source: InsertionError) -> Self {
-        Self::ChartRange { source }
-    }
 }

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 use super::*;
-use crate::base::BaseSurface;
+use crate::base::{BaseSurface, Plane};
 use crate::mesh::{
     Adjacency, LoopKind, TriMesh, boundary_loops, check, euler_characteristic, triangle_area,
     triangle_normal,
@@ -161,4 +161,54 @@ fn subdivision_makes_four_triangles_of_one_and_keeps_the_old_vertices() {
         assert!((color[0] - expected).abs() < 0.02);
         assert!((color[2] - 0.25).abs() < 1e-12);
     }
+}
+
+#[test]
+fn a_slit_of_vertices_that_were_never_welded_is_opened_and_stitched() {
+    // A flat sheet, a square hole in it, and from the hole a slit of no width.
+    let n = 12u32;
+    let id = |i: u32, j: u32| i * (n + 1) + j;
+    let mut positions: Vec<_> = (0..=n)
+        .flat_map(|i| (0..=n).map(move |j| Point3::new(f64::from(i), f64::from(j), 0.0)))
+        .collect();
+    let mut triangles: Vec<[u32; 3]> = (0..n)
+        .flat_map(|i| (0..n).map(move |j| [i, j]))
+        .filter(|[i, j]| !((4..6).contains(i) && (4..6).contains(j)))
+        .flat_map(|[i, j]| {
+            [
+                [id(i, j), id(i + 1, j), id(i + 1, j + 1)],
+                [id(i, j), id(i + 1, j + 1), id(i, j + 1)],
+            ]
+        })
+        .collect();
+    for i in [6u32, 7] {
+        let double = u32::try_from(positions.len()).unwrap();
+        positions.push(positions[id(i, 5) as usize]);
+        for t in &mut triangles {
+            let below = t.iter().any(|v| v % (n + 1) < 5);
+            for v in t.iter_mut().filter(|v| **v == id(i, 5) && below) {
+                *v = double;
+            }
+        }
+    }
+    let mesh = TriMesh {
+        positions,
+        triangles,
+    };
+    let base = BaseSurface::Plane(Plane {
+        point: Point3::origin(),
+        normal: Vector3::z_axis(),
+    });
+    let scene = Holed {
+        relief: extract(&mesh, &base),
+        adjacency: Adjacency::new(&mesh),
+        spacing: 1.0,
+        base,
+        mesh,
+    };
+    let fill = scene.fill(&scene.gap(LoopKind::Hole)).unwrap();
+    let mesh = scene.filled(&fill);
+    assert_eq!(check(&mesh), Ok(()));
+    let left = boundary_loops(&mesh, &Adjacency::new(&mesh));
+    assert_eq!(left.len(), 1);
 }

@@ -72,11 +72,7 @@ pub fn compare(scan: &Scan) -> Result<Comparison, StatsError> {
     let completed: Vec<bool> = (0..scan.vertices.rows)
         .map(|row| marks.values.get_f64(row).is_some_and(|mark| mark > 0.5))
         .collect();
-    let mut mesh = scan.mesh();
-    let origin = mesh.centroid().coords;
-    for p in &mut mesh.positions {
-        *p -= origin;
-    }
+    let (mesh, origin) = scan.mesh().centered();
     let is_completed = |t: &[u32; 3]| t.iter().any(|v| completed[*v as usize]);
     let (new, old): (Vec<_>, Vec<_>) = mesh.triangles.iter().partition(|t| is_completed(t));
     let RememberedBase { surface, reach } = match remembered_base(scan) {
