@@ -48,7 +48,8 @@ pub fn vertex_normals(mesh: &TriMesh) -> Vec<Vector3<f64>> {
 }
 
 /// The undirected edges, each once as (lower, higher) index, ascending.
-fn edges(mesh: &TriMesh) -> Vec<[u32; 2]> {
+#[must_use]
+pub fn edges(mesh: &TriMesh) -> Vec<[u32; 2]> {
     let mut edges: Vec<[u32; 2]> = mesh
         .triangles
         .iter()

@@ -14,7 +14,7 @@ pub use adjacency::{Adjacency, Csr};
 pub use boundary::{BoundaryLoop, LoopKind, boundary_loops, vector_area};
 pub use check::{MeshDefect, check};
 pub use geometry::{
-    bounding_diagonal, edge_lengths, euler_characteristic, triangle_area, triangle_normal,
+    bounding_diagonal, edge_lengths, edges, euler_characteristic, triangle_area, triangle_normal,
     vertex_areas, vertex_normals,
 };
 pub use nearest::{Nearest, PointTree};

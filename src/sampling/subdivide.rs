@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 
 use crate::base::BaseSurface;
-use crate::mesh::{PointTree, TriMesh};
+use crate::mesh::{PointTree, TriMesh, edges};
 use crate::relief::Relief;
 
 /// Neighbors whose colours a new vertex takes a share of: the two ends of its edge, the two corners
@@ -66,12 +66,7 @@ pub fn subdivide(
 /// The four triangles of each triangle, and the edge under each new vertex.
 fn split(mesh: &TriMesh) -> (Vec<[u32; 3]>, Vec<[u32; 2]>) {
     let old = u32::try_from(mesh.positions.len()).expect("indices are u32");
-    let mut edges: Vec<[u32; 2]> = (mesh.triangles.iter())
-        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
-        .map(|[a, b]| [a.min(b), a.max(b)])
-        .collect();
-    edges.sort_unstable();
-    edges.dedup();
+    let edges = edges(mesh);
     let middle = |a: u32, b: u32| {
         let place = edges.binary_search(&[a.min(b), a.max(b)]);
         old + u32::try_from(place.expect("every edge was listed")).expect("indices are u32")
