@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 
 use crate::base::BaseSurface;
-use crate::matching::{Match, Neighbor, Query, SampleId, Samples, Search, best_matches};
+use crate::matching::paper::{Match, Neighbor, Query, SampleId, Samples, Search, best_matches};
 use crate::mesh::Adjacency;
 use crate::neighborhood::{Frame, Window, gaussian_weight, local_frames, window_sigma};
 use crate::relief::Relief;

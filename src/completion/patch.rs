@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 
 use crate::base::{BaseSurface, FitReport};
-use crate::matching::{Match, Samples, Search};
+use crate::matching::paper::{Match, Samples, Search};
 use crate::mesh::{Adjacency, TriMesh, triangle_normal};
 use crate::relief::{self, Relief};
 use crate::rng::{Rng, Stage};

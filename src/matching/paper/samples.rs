@@ -8,8 +8,8 @@ use crate::neighborhood::{Frame, local_frames};
 use crate::sampling::Subdivision;
 
 use super::Match;
-use super::exhaustive::turned;
 use super::point_triangle::PreparedTriangle;
+use super::search::turned;
 use super::site_grid::SiteGrid;
 use super::slab::Slab;
 
