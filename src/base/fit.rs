@@ -25,13 +25,20 @@ const SEARCH_VERTICES: usize = 2000;
 const ALGEBRAIC_STARTS: usize = 5;
 const SCORED_STARTS: usize = 6;
 
+/// The stream of random numbers behind those of the kinds.
+const RANKING_STREAM: u32 = BaseKind::Cone as u32 + 1;
+
 const SEARCH_EFFORT: Effort = Effort {
     iterations: 14,
     tolerance: 1e-3,
     concentrations: 0,
 };
 
-/// All kinds are fitted to all vertices as well as this to be compared; the chosen one goes on.
+/// Vertices to which all kinds are fitted to be compared: their parameters are then within a few
+/// thousandths of the relief of those of all vertices.
+const RANKING_VERTICES: usize = 20_000;
+
+/// All kinds are fitted as well as this to be compared; the chosen one goes on.
 const RANKING_EFFORT: Effort = Effort {
     iterations: 20,
     tolerance: 1e-5,
@@ -48,9 +55,9 @@ const MAX_DISTANCE: f64 = 1e7;
 /// Fits a base surface to the vertices of a mesh that its triangles use.
 ///
 /// Each kind is fitted by its orthogonal distance: algebraic fits and random minimal subsets are
-/// scored on a few hundred vertices, the best are refined on a few thousand, the best of these on
-/// all, by Levenberg–Marquardt steps with iteratively reweighted vertices
-/// ([`super::Loss::Tukey`]). A surface is found if at least about 40 % of the mesh's area
+/// scored on a few hundred vertices, the best are refined on a few thousand, the best of these of
+/// each kind on up to 20 000, and the kind that is chosen on all, by Levenberg–Marquardt steps with
+/// iteratively reweighted vertices ([`super::Loss::Tukey`]). A surface is found if at least about 40 % of the mesh's area
 /// belongs to it. Where relief is one-sided, the fit may settle on the level that most of the
 /// vertices share (the land between a golf ball's dimples).
 ///
@@ -71,15 +78,27 @@ const MAX_DISTANCE: f64 = 1e7;
 /// a plane). That the iteration did not converge, or that the surface fits badly,
 /// is in the report.
 pub fn fit(mesh: &TriMesh, params: &FitParams) -> Result<FitReport, FitError> {
+    fit_part(&mesh.positions, &mesh.triangles, params)
+}
+
+/// As [`fit`], to the part of a mesh that some of its triangles make up.
+///
+/// # Errors
+/// As [`fit`].
+pub fn fit_part(
+    positions: &[Point3<f64>],
+    triangles: &[[u32; 3]],
+    params: &FitParams,
+) -> Result<FitReport, FitError> {
     if let Some(scale) = params.scale
         && !(scale.is_finite() && scale > 0.0)
     {
         return Err(FitError::BadScale(scale));
     }
-    let mesh = Normalized::new(mesh, params.weighting)?;
+    let mesh = Normalized::new(positions, triangles, params.weighting)?;
     let mut fits = fit_kinds(&mesh, params)?;
     let mut heights: Vec<Vec<f64>> = fits
-        .iter()
+        .par_iter()
         .map(|f| mesh.samples.heights(&f.surface))
         .collect();
     let excluded: Vec<_> = fits
@@ -155,6 +174,8 @@ fn fit_kinds(mesh: &Normalized, params: &FitParams) -> Result<Vec<Refined>, FitE
         Some(BaseSurface::Cylinder(cylinder)) => Some(cylinder),
         _ => None,
     };
+    let mut rng = Rng::new(params.seed, Stage::Fit, RANKING_STREAM);
+    let many = samples.thinned(RANKING_VERTICES, &mut rng);
     let fits: Vec<Option<Refined>> = kinds
         .par_iter()
         .map(|&kind| {
@@ -162,7 +183,7 @@ fn fit_kinds(mesh: &Normalized, params: &FitParams) -> Result<Vec<Refined>, FitE
                 BaseKind::Cylinder => cylinder.map(BaseSurface::Cylinder),
                 _ => search(kind, cylinder.as_ref()),
             };
-            let refined = refine(&start?, samples, params.loss, sigma, effort);
+            let refined = refine(&start?, &many, params.loss, sigma, effort);
             is_usable(&refined.surface).then_some(refined)
         })
         .collect();
@@ -219,12 +240,17 @@ fn search(
     };
     let algebraic = (0..starts.len().min(ALGEBRAIC_STARTS)).map(|i| (i, SEARCH_EFFORT));
     let scored = scored.iter().take(SCORED_STARTS);
-    algebraic
+    let chosen: Vec<_> = algebraic
         .chain(scored.map(|s| (s.1, concentrating)))
+        .collect();
+    let refined: Vec<_> = chosen
+        .into_par_iter()
         .map(|(i, effort)| refine(&starts[i], &thin, params.loss, sigma, effort))
         .filter(|r| is_usable(&r.surface))
         .map(|r| (quality(&thin, &r, params.loss), r.surface))
         .filter(|(quality, _)| quality.is_finite())
+        .collect();
+    (refined.into_iter())
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, surface)| surface)
 }

@@ -24,7 +24,7 @@ mod tests;
 
 pub use chart::Chart;
 pub use error::FitError;
-pub use fit::fit;
+pub use fit::{fit, fit_part};
 pub use params::{BaseChoice, FitParams, Loss, Weighting};
 pub use report::{Candidate, Degenerate, FitReport, MAX_RELIEF_SHARE, StopReason};
 pub use surface::{

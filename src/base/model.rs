@@ -1,14 +1,17 @@
 //! A surface as a function of its parameters, and the least-squares problem over its heights.
 
+use std::cell::OnceCell;
+
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra::{DMatrix, DVector, Dyn, Owned, Point3};
+use rayon::prelude::*;
 
 use super::samples::Samples;
 use super::{BaseSurface, StopReason};
 use super::{cone::ConeModel, cylinder::CylinderModel, plane::PlaneModel, sphere::SphereModel};
 
 /// A surface near a start, by parameters that have no constraints between them.
-pub(super) trait Model {
+pub(super) trait Model: Sync {
     /// Present parameters.
     fn params(&self) -> &[f64];
     /// Changes them.
@@ -31,12 +34,79 @@ pub(super) fn model(start: &BaseSurface) -> Box<dyn Model> {
     }
 }
 
+/// Most rows that are kept as they are.
+const MOST_ROWS: usize = 20_000;
+
+/// Rows that are folded at once where there are more; with their residuals they fit into the cache.
+const BLOCK: usize = 1024;
+
 /// Σ w h², as residuals √w h.
 struct Problem<'a> {
     model: &'a mut dyn Model,
     samples: &'a Samples,
     /// Samples of positive weight, and the roots of their weights.
     rows: Vec<(usize, f64)>,
+    /// See [`Problem::system`].
+    system: OnceCell<DMatrix<f64>>,
+}
+
+impl<'a> Problem<'a> {
+    fn new(model: &'a mut dyn Model, samples: &'a Samples, rows: Vec<(usize, f64)>) -> Self {
+        Self {
+            model,
+            samples,
+            rows,
+            system: OnceCell::new(),
+        }
+    }
+
+    /// The Jacobian at the present parameters, and the residuals as its last column. Of many rows,
+    /// blocks are each replaced by the triangular factor of their QR decomposition (Demmel,
+    /// Grigori, Hoemmen & Langou 2012): the linearised sum of squares is the same.
+    fn system(&self) -> &DMatrix<f64> {
+        self.system.get_or_init(|| {
+            let (model, samples) = (&*self.model, self.samples);
+            if self.rows.len() <= MOST_ROWS {
+                return jacobian_and_residuals(model, samples, &self.rows);
+            }
+            let folded = (self.rows.par_chunks(BLOCK))
+                .map(|rows| jacobian_and_residuals(model, samples, rows).qr().unpack_r())
+                .collect();
+            stacked(folded)
+        })
+    }
+}
+
+/// The blocks' rows under each other.
+fn stacked(blocks: Vec<DMatrix<f64>>) -> DMatrix<f64> {
+    let height = blocks.iter().map(DMatrix::nrows).sum();
+    let mut all = DMatrix::zeros(height, blocks.first().map_or(0, DMatrix::ncols));
+    let mut start = 0;
+    for block in blocks {
+        all.rows_mut(start, block.nrows()).copy_from(&block);
+        start += block.nrows();
+    }
+    all
+}
+
+/// Jacobian and residuals of some rows.
+fn jacobian_and_residuals(
+    model: &dyn Model,
+    samples: &Samples,
+    rows: &[(usize, f64)],
+) -> DMatrix<f64> {
+    let count = model.params().len();
+    let mut system = DMatrix::zeros(rows.len(), count + 1);
+    let mut gradient = vec![0.0; count];
+    for (row, &(i, root)) in rows.iter().enumerate() {
+        let p = &samples.points[i];
+        model.gradient(p, &mut gradient);
+        for (column, g) in gradient.iter().enumerate() {
+            system[(row, column)] = root * g;
+        }
+        system[(row, count)] = root * model.height(p);
+    }
+    system
 }
 
 impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
@@ -46,6 +116,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
 
     fn set_params(&mut self, x: &DVector<f64>) {
         self.model.set_params(x.as_slice());
+        self.system.take();
     }
 
     fn params(&self) -> DVector<f64> {
@@ -53,23 +124,13 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
     }
 
     fn residuals(&self) -> Option<DVector<f64>> {
-        let heights = self
-            .rows
-            .iter()
-            .map(|&(i, root)| root * self.model.height(&self.samples.points[i]));
-        Some(DVector::from_iterator(self.rows.len(), heights))
+        let system = self.system();
+        Some(system.column(system.ncols() - 1).into_owned())
     }
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
-        let mut jacobian = DMatrix::zeros(self.rows.len(), self.model.params().len());
-        let mut gradient = vec![0.0; self.model.params().len()];
-        for (row, &(i, root)) in self.rows.iter().enumerate() {
-            self.model.gradient(&self.samples.points[i], &mut gradient);
-            for (column, g) in gradient.iter().enumerate() {
-                jacobian[(row, column)] = root * g;
-            }
-        }
-        Some(jacobian)
+        let system = self.system();
+        Some(system.columns(0, system.ncols() - 1).into_owned())
     }
 }
 
@@ -94,11 +155,7 @@ pub(super) fn least_squares(
     let before = model.params().to_vec();
     // The crate counts evaluations in units of parameters + 1.
     let patience = steps.div_ceil(count + 1).max(1);
-    let problem = Problem {
-        model,
-        samples,
-        rows,
-    };
+    let problem = Problem::new(model, samples, rows);
     let (problem, report) = LevenbergMarquardt::new()
         .with_ftol(tol)
         .with_xtol(tol)
@@ -214,11 +271,8 @@ mod tests {
         };
         for start in starts() {
             let mut model = model(&start);
-            let mut problem = Problem {
-                model: model.as_mut(),
-                samples: &samples,
-                rows: (0..20).map(|i| (i, 1.0 + 0.1 * i as f64)).collect(),
-            };
+            let rows = (0..20).map(|i| (i, 1.0 + 0.1 * i as f64)).collect();
+            let mut problem = Problem::new(model.as_mut(), &samples, rows);
             let analytic = problem.jacobian().unwrap();
             let numeric = levenberg_marquardt::differentiate_numerically(&mut problem).unwrap();
             assert_relative_eq!(analytic, numeric, epsilon = 1e-6);

@@ -1,5 +1,7 @@
 //! From a start to the minimum of the loss.
 
+use rayon::prelude::*;
+
 use super::model::{Model, least_squares, model};
 use super::params::Loss;
 use super::robust::{spread, tukey_weight};
@@ -22,6 +24,9 @@ const CONCENTRATION: f64 = 0.4;
 
 /// Least-squares steps between two reweightings; one is nearly enough near the minimum.
 const INNER_STEPS: usize = 5;
+
+/// Heights that are worth a task of their own.
+const LEAST_TASK: usize = 10_000;
 
 /// How far to go.
 #[derive(Debug, Clone, Copy)]
@@ -139,8 +144,8 @@ impl Reweighting<'_> {
     /// Heights over the present surface; returns the largest change.
     fn measure(&mut self) -> f64 {
         let model = &*self.model;
-        let new = self.samples.points.iter().map(|p| model.height(p));
-        let new: Vec<f64> = new.collect();
+        let new = self.samples.points.par_iter().with_min_len(LEAST_TASK);
+        let new: Vec<f64> = new.map(|p| model.height(p)).collect();
         let change = (new.iter().zip(&self.heights)).fold(0.0, |m, (a, b)| (a - b).abs().max(m));
         self.heights = new;
         change

@@ -37,11 +37,15 @@ pub(super) struct Normalized {
 }
 
 impl Normalized {
-    pub(super) fn new(mesh: &TriMesh, weighting: Weighting) -> Result<Self, FitError> {
+    pub(super) fn new(
+        positions: &[Point3<f64>],
+        triangles: &[[u32; 3]],
+        weighting: Weighting,
+    ) -> Result<Self, FitError> {
         let TriMesh {
             positions: used,
             triangles,
-        } = used_part(mesh)?;
+        } = used_part(positions, triangles)?;
         let Some(&first) = used.first() else {
             return Err(FitError::TooFewVertices {
                 found: 0,
@@ -114,10 +118,10 @@ impl Normalized {
 }
 
 /// The vertices that a triangle uses, and the triangles by their new indices.
-fn used_part(mesh: &TriMesh) -> Result<TriMesh, FitError> {
+fn used_part(positions: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<TriMesh, FitError> {
     const UNUSED: u32 = u32::MAX;
-    let mut new_index = vec![UNUSED; mesh.positions.len()];
-    for (triangle, corners) in mesh.triangles.iter().enumerate() {
+    let mut new_index = vec![UNUSED; positions.len()];
+    for (triangle, corners) in triangles.iter().enumerate() {
         for &vertex in corners {
             match new_index.get_mut(vertex as usize) {
                 Some(index) => *index = 0,
@@ -131,7 +135,7 @@ fn used_part(mesh: &TriMesh) -> Result<TriMesh, FitError> {
         if *index == UNUSED {
             continue;
         }
-        let p = mesh.positions[v];
+        let p = positions[v];
         if !p.iter().all(|x| x.is_finite()) {
             return Err(FitError::NotFinite(v));
         }
@@ -139,8 +143,7 @@ fn used_part(mesh: &TriMesh) -> Result<TriMesh, FitError> {
         *index = next;
         next += 1;
     }
-    let triangles = mesh
-        .triangles
+    let triangles = triangles
         .iter()
         .map(|t| t.map(|v| new_index[v as usize]))
         .collect();

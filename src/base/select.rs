@@ -1,5 +1,7 @@
 //! Which kind of surface: a criterion that does not reward needless parameters.
 
+use rayon::prelude::*;
+
 use super::robust::spread;
 use super::samples::{Normalized, Samples};
 use super::{BaseKind, BaseSurface, Degenerate};
@@ -83,14 +85,16 @@ pub(super) struct Fitted<'a> {
 pub(super) fn criteria(mesh: &Normalized, fitted: &[Fitted<'_>]) -> (Vec<f64>, f64) {
     let weights = &mesh.samples.weights;
     let total: f64 = weights.iter().sum();
-    let sigma = fitted
-        .iter()
+    let scales: Vec<f64> = fitted
+        .par_iter()
         .filter(|f| !f.excluded)
         .map(|f| spread(f.heights, weights).wide)
+        .collect();
+    let sigma = (scales.into_iter())
         .fold(f64::INFINITY, f64::min)
         .max(LEAST_SCALE);
     let losses: Vec<f64> = fitted
-        .iter()
+        .par_iter()
         .map(|f| {
             let pairs = f.heights.iter().zip(weights);
             pairs

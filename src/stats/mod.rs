@@ -106,11 +106,7 @@ pub fn compare(scan: &Scan) -> Result<Comparison, StatsError> {
 }
 
 fn fitted_base(mesh: &TriMesh, originals: &[[u32; 3]]) -> Result<RememberedBase, StatsError> {
-    let mesh = TriMesh {
-        positions: mesh.positions.clone(),
-        triangles: originals.to_vec(),
-    };
-    let fit = base::fit(&mesh, &FitParams::default())?;
+    let fit = base::fit_part(&mesh.positions, originals, &FitParams::default())?;
     if !fit.fits() {
         return Err(StatsError::NoBase);
     }
