@@ -10,15 +10,18 @@ mod assemble;
 mod error;
 mod gaps;
 mod growth;
+mod own_base;
 mod params;
 mod patch;
 mod report;
+mod surroundings;
 
 pub use assemble::{COMPLETED, HEIGHT, RememberedBase, SOURCE, remembered_base};
 pub use error::CompletionError;
 pub use params::{CompleteParams, HoleChoice};
 pub use report::{CompletionReport, Counts, FilledHole, SkippedHole, StageTime};
 
+use std::borrow::Cow;
 use std::time::Instant;
 
 use nalgebra::Vector3;
@@ -89,7 +92,7 @@ pub fn complete(
         whole.complete(&input, plan.on_base, params, &mut work, &mut clock);
     }
     for gap in plan.off_base {
-        gaps::complete_on_own_base(&input, gap, params, &mut work, &mut clock);
+        own_base::complete_on_own_base(&input, &gap, params, &mut work, &mut clock);
     }
     let heights = match &whole {
         Some(whole) => whole.relief.heights.clone(),
@@ -141,7 +144,11 @@ fn prepare(
     let loops = boundary_loops(&mesh, &adjacency);
     clock.end("loops");
     let scanned = scanned_vertices(scan, params);
-    let fit = base::fit(&scanned_part(&mesh, &scanned), &params.fit)?;
+    let fit = base::fit_part(
+        &mesh.positions,
+        &scanned_triangles(&mesh, &scanned),
+        &params.fit,
+    )?;
     if !fit.fits() && (params.extend || params.fit.base != BaseChoice::Auto) {
         return Err(CompletionError::BaseDoesNotFit {
             kind: fit.base.kind(),
@@ -250,14 +257,14 @@ fn scanned_vertices(scan: &Scan, params: &CompleteParams) -> Vec<bool> {
 }
 
 /// The triangles whose corners were all scanned.
-fn scanned_part(mesh: &TriMesh, scanned: &[bool]) -> TriMesh {
-    TriMesh {
-        positions: mesh.positions.clone(),
-        triangles: (mesh.triangles.iter())
-            .filter(|t| t.iter().all(|v| scanned[*v as usize]))
-            .copied()
-            .collect(),
+fn scanned_triangles<'a>(mesh: &'a TriMesh, scanned: &[bool]) -> Cow<'a, [[u32; 3]]> {
+    if scanned.iter().all(|scanned| *scanned) {
+        return Cow::Borrowed(&mesh.triangles);
     }
+    let triangles = mesh.triangles.iter().copied();
+    triangles
+        .filter(|t| t.iter().all(|v| scanned[*v as usize]))
+        .collect()
 }
 
 fn index(v: usize) -> u32 {

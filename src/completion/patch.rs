@@ -26,7 +26,7 @@ pub(super) struct Patch {
 }
 
 /// A gap to fill, with the numbers of its loops: one for each rim, then one for each island.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct NumberedGap {
     pub(super) gap: Gap,
     pub(super) rim_ids: Vec<usize>,
@@ -55,8 +55,8 @@ struct Planned {
 impl Patch {
     /// The part of the scan that lies on the base fitted to it.
     pub(super) fn whole(input: &Input, fit: &FitReport) -> Self {
-        let side = relief::facing(&input.mesh, &fit.base);
-        Self::new(input, &fit.base, side, relief::reach(fit), None)
+        let relief = relief::extract(&input.mesh, &fit.base);
+        Self::new(input, &fit.base, relief, relief::reach(fit), None)
     }
 
     /// The part within `region` that is at most `reach` from the given side of a base of its own.
@@ -67,17 +67,17 @@ impl Patch {
         reach: f64,
         region: &[bool],
     ) -> Self {
-        Self::new(input, base, side, reach, Some(region))
+        let relief = relief::extract_on_side(&input.mesh.positions, base, side);
+        Self::new(input, base, relief, reach, Some(region))
     }
 
     fn new(
         input: &Input,
         base: &BaseSurface,
-        side: f64,
+        relief: Relief,
         reach: f64,
         region: Option<&[bool]>,
     ) -> Self {
-        let relief = relief::extract_on_side(&input.mesh.positions, base, side);
         let used = input.mesh.used_vertices();
         let on_base: Vec<bool> = (0..relief.heights.len())
             .map(|v| {

@@ -41,17 +41,33 @@ impl Relief {
 /// [Breckon & Fisher 2005](crate::bibliography#breckon--fisher-2005), §3 and Fig. 5.
 #[must_use]
 pub fn extract(mesh: &TriMesh, base: &BaseSurface) -> Relief {
-    extract_on_side(&mesh.positions, base, facing(mesh, base))
+    let mut relief = extract_on_side(&mesh.positions, base, 1.0);
+    let outward = |v: u32| relief.normals[v as usize];
+    if facing(&mesh.positions, &mesh.triangles, outward) < 0.0 {
+        relief.side = -1.0;
+        for normal in &mut relief.normals {
+            *normal = -*normal;
+        }
+        for height in &mut relief.heights {
+            *height = -*height;
+        }
+    }
+    relief
 }
 
-/// 1 if most of the triangles (by area) face the base surface's outside, −1 if its inside.
+/// 1 if most of the triangles (by area) face the outside of a base surface, −1 if its inside;
+/// `outward` gives the base surface's normal at the foot of a vertex.
 #[must_use]
-pub fn facing(mesh: &TriMesh, base: &BaseSurface) -> f64 {
-    let agreement: f64 = (mesh.triangles.iter().enumerate())
-        .map(|(f, triangle)| {
-            let feet = triangle.map(|v| base.foot(&mesh.positions[v as usize]));
-            let base_normal: Vector3<f64> = feet.iter().map(|foot| foot.normal).sum();
-            triangle_normal(mesh.corners(f)).dot(&base_normal)
+pub fn facing(
+    positions: &[Point3<f64>],
+    triangles: &[[u32; 3]],
+    outward: impl Fn(u32) -> Vector3<f64>,
+) -> f64 {
+    let agreement: f64 = (triangles.iter())
+        .map(|triangle| {
+            let base_normal: Vector3<f64> = triangle.map(&outward).iter().sum();
+            let corners = triangle.map(|v| positions[v as usize]);
+            triangle_normal(corners).dot(&base_normal)
         })
         .sum();
     if agreement < 0.0 { -1.0 } else { 1.0 }
@@ -60,13 +76,19 @@ pub fn facing(mesh: &TriMesh, base: &BaseSurface) -> f64 {
 /// The relief of `points` on the given side of the base surface, see [`Relief::side`].
 #[must_use]
 pub fn extract_on_side(points: &[Point3<f64>], base: &BaseSurface, side: f64) -> Relief {
-    let feet: Vec<_> = points.iter().map(|p| base.foot(p)).collect();
-    Relief {
-        normals: feet.iter().map(|foot| foot.normal * side).collect(),
-        heights: feet.iter().map(|foot| foot.height * side).collect(),
-        feet: feet.into_iter().map(|foot| foot.point).collect(),
+    let mut relief = Relief {
+        feet: Vec::with_capacity(points.len()),
+        normals: Vec::with_capacity(points.len()),
+        heights: Vec::with_capacity(points.len()),
         side,
+    };
+    for p in points {
+        let foot = base.foot(p);
+        relief.feet.push(foot.point);
+        relief.normals.push(foot.normal * side);
+        relief.heights.push(foot.height * side);
     }
+    relief
 }
 
 /// Heights beyond this many robust standard deviations are no relief: the roof of a tower over the
