@@ -46,8 +46,8 @@ struct Problem<'a> {
     samples: &'a Samples,
     /// Samples of positive weight, and the roots of their weights.
     rows: Vec<(usize, f64)>,
-    /// See [`Problem::system`].
-    system: OnceCell<DMatrix<f64>>,
+    /// See [`Problem::folded`].
+    folded: OnceCell<DMatrix<f64>>,
 }
 
 impl<'a> Problem<'a> {
@@ -56,23 +56,25 @@ impl<'a> Problem<'a> {
             model,
             samples,
             rows,
-            system: OnceCell::new(),
+            folded: OnceCell::new(),
         }
     }
 
-    /// The Jacobian at the present parameters, and the residuals as its last column. Of many rows,
-    /// blocks are each replaced by the triangular factor of their QR decomposition (Demmel,
-    /// Grigori, Hoemmen & Langou 2012): the linearised sum of squares is the same.
-    fn system(&self) -> &DMatrix<f64> {
-        self.system.get_or_init(|| {
-            let (model, samples) = (&*self.model, self.samples);
-            if self.rows.len() <= MOST_ROWS {
-                return jacobian_and_residuals(model, samples, &self.rows);
-            }
-            let folded = (self.rows.par_chunks(BLOCK))
-                .map(|rows| jacobian_and_residuals(model, samples, rows).qr().unpack_r())
-                .collect();
-            stacked(folded)
+    /// Of many rows, the Jacobian at the present parameters and the residuals as its last column,
+    /// blocks of rows replaced by the triangular factors of their QR decompositions (Demmel, Grigori,
+    /// Hoemmen & Langou 2012): the linearised sum of squares is the same.
+    fn folded(&self) -> Option<&DMatrix<f64>> {
+        let (model, samples) = (&*self.model, self.samples);
+        let fold = |rows: &[(usize, f64)]| {
+            let mut block = jacobian(model, samples, rows);
+            let last = block.ncols();
+            block = block.insert_column(last, 0.0);
+            block.set_column(last, &residuals(model, samples, rows));
+            block.qr().unpack_r()
+        };
+        (self.rows.len() > MOST_ROWS).then(|| {
+            self.folded
+                .get_or_init(|| stacked(self.rows.par_chunks(BLOCK).map(fold).collect()))
         })
     }
 }
@@ -89,24 +91,23 @@ fn stacked(blocks: Vec<DMatrix<f64>>) -> DMatrix<f64> {
     all
 }
 
-/// Jacobian and residuals of some rows.
-fn jacobian_and_residuals(
-    model: &dyn Model,
-    samples: &Samples,
-    rows: &[(usize, f64)],
-) -> DMatrix<f64> {
-    let count = model.params().len();
-    let mut system = DMatrix::zeros(rows.len(), count + 1);
-    let mut gradient = vec![0.0; count];
+fn residuals(model: &dyn Model, samples: &Samples, rows: &[(usize, f64)]) -> DVector<f64> {
+    let heights = rows
+        .iter()
+        .map(|&(i, root)| root * model.height(&samples.points[i]));
+    DVector::from_iterator(rows.len(), heights)
+}
+
+fn jacobian(model: &dyn Model, samples: &Samples, rows: &[(usize, f64)]) -> DMatrix<f64> {
+    let mut jacobian = DMatrix::zeros(rows.len(), model.params().len());
+    let mut gradient = vec![0.0; model.params().len()];
     for (row, &(i, root)) in rows.iter().enumerate() {
-        let p = &samples.points[i];
-        model.gradient(p, &mut gradient);
+        model.gradient(&samples.points[i], &mut gradient);
         for (column, g) in gradient.iter().enumerate() {
-            system[(row, column)] = root * g;
+            jacobian[(row, column)] = root * g;
         }
-        system[(row, count)] = root * model.height(p);
     }
-    system
+    jacobian
 }
 
 impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
@@ -116,7 +117,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
 
     fn set_params(&mut self, x: &DVector<f64>) {
         self.model.set_params(x.as_slice());
-        self.system.take();
+        self.folded.take();
     }
 
     fn params(&self) -> DVector<f64> {
@@ -124,13 +125,17 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
     }
 
     fn residuals(&self) -> Option<DVector<f64>> {
-        let system = self.system();
-        Some(system.column(system.ncols() - 1).into_owned())
+        Some(match self.folded() {
+            Some(folded) => folded.column(folded.ncols() - 1).into_owned(),
+            None => residuals(&*self.model, self.samples, &self.rows),
+        })
     }
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
-        let system = self.system();
-        Some(system.columns(0, system.ncols() - 1).into_owned())
+        Some(match self.folded() {
+            Some(folded) => folded.columns(0, folded.ncols() - 1).into_owned(),
+            None => jacobian(&*self.model, self.samples, &self.rows),
+        })
     }
 }
 

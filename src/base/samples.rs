@@ -200,7 +200,7 @@ impl Samples {
 
     /// Signed heights over a surface.
     pub(super) fn heights(&self, surface: &BaseSurface) -> Vec<f64> {
-        self.points.iter().map(|p| surface.foot(p).height).collect()
+        self.points.iter().map(|p| surface.height(p)).collect()
     }
 
     /// About `count` samples of equal weight: one in each stretch of equal weight, in order, at a

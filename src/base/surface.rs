@@ -117,6 +117,26 @@ impl BaseSurface {
         }
     }
 
+    /// Height of `p`, the same as [`foot`](Self::foot)'s, in fewer steps.
+    pub(super) fn height(&self, p: &Point3<f64>) -> f64 {
+        let about = |axis: &Unit<Vector3<f64>>, from: Vector3<f64>| {
+            let along = from.dot(axis);
+            (along, (from - axis.scale(along)).norm())
+        };
+        match self {
+            Self::Plane(plane) => (p - plane.point).dot(&plane.normal),
+            Self::Sphere(sphere) => (p - sphere.center).norm() - sphere.radius,
+            Self::Cylinder(cylinder) => {
+                about(&cylinder.axis, p - cylinder.point).1 - cylinder.radius
+            }
+            Self::Cone(cone) => {
+                let (sin, cos) = cone.half_angle.sin_cos();
+                let (along, distance) = about(&cone.axis, p - cone.apex);
+                distance * cos - along * sin
+            }
+        }
+    }
+
     /// The same surface moved by `offset`.
     #[must_use]
     pub fn translated(mut self, offset: Vector3<f64>) -> Self {
@@ -253,6 +273,7 @@ mod tests {
                 let foot = surface.foot(&p);
                 assert_relative_eq!(foot.point + foot.normal * foot.height, p, epsilon = 1e-12);
                 assert_relative_eq!(foot.normal.norm(), 1.0, epsilon = 1e-12);
+                assert_eq!(surface.height(&p).to_bits(), foot.height.to_bits());
                 assert_relative_eq!(surface.foot(&foot.point).height, 0.0, epsilon = 1e-12);
             }
         }
