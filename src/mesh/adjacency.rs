@@ -73,17 +73,27 @@ impl Csr {
 
     /// Sorts each row and drops what stands in it twice.
     fn sorted_unique(self) -> Self {
-        let mut starts = vec![0u32];
-        let mut items = Vec::with_capacity(self.items.len());
-        let mut row_items = Vec::new();
-        for row in 0..self.len() {
-            row_items.clear();
-            row_items.extend_from_slice(self.row(row));
-            row_items.sort_unstable();
-            row_items.dedup();
-            items.extend_from_slice(&row_items);
-            starts.push(u32::try_from(items.len()).expect("no more than before"));
+        let Self {
+            mut starts,
+            mut items,
+        } = self;
+        // In place: what is kept moves towards the front only.
+        let (mut from, mut kept) = (0, 0);
+        for end in starts.iter_mut().skip(1) {
+            let next = *end as usize;
+            items[from..next].sort_unstable();
+            let first = kept;
+            for i in from..next {
+                if kept == first || items[i] != items[kept - 1] {
+                    items[kept] = items[i];
+                    kept += 1;
+                }
+            }
+            from = next;
+            *end = u32::try_from(kept).expect("no more than before");
         }
+        items.truncate(kept);
+        items.shrink_to_fit();
         Self { starts, items }
     }
 }
@@ -114,9 +124,13 @@ impl Adjacency {
             .iter()
             .zip(0u32..)
             .flat_map(|(t, f)| t.map(|v| (v, f)));
+        let (neighbors, triangles) = rayon::join(
+            || Csr::from_pairs(rows, half_edges).sorted_unique(),
+            || Csr::from_pairs(rows, corners).sorted_unique(),
+        );
         Self {
-            neighbors: Csr::from_pairs(rows, half_edges).sorted_unique(),
-            triangles: Csr::from_pairs(rows, corners).sorted_unique(),
+            neighbors,
+            triangles,
         }
     }
 

@@ -1,9 +1,10 @@
 //! Boundary loops, and whether each bounds a hole or is an outer rim.
 
 use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{Adjacency, TriMesh};
+use super::{Adjacency, Csr, TriMesh};
 
 /// What is beyond a boundary loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -213,25 +214,25 @@ fn corner_angle(positions: &[Point3<f64>], at: u32, b: u32, c: u32) -> f64 {
 /// Umbrella smoothing; boundary vertices move along the boundary only.
 fn smoothed_positions(mesh: &TriMesh, adjacency: &Adjacency) -> Vec<Point3<f64>> {
     let walker = Walker { mesh, adjacency };
-    let vertices = mesh.positions.len();
-    let averaged: Vec<Vec<u32>> = (0u32..)
-        .take(vertices)
-        .map(|v| {
-            let neighbors = adjacency.neighbors.row(v as usize);
-            let along: Vec<u32> = (neighbors.iter().copied())
-                .filter(|n| walker.triangles_at(v, *n).count() == 1)
-                .collect();
-            if along.is_empty() {
-                neighbors.to_vec()
-            } else {
-                along
-            }
-        })
-        .collect();
+    // Of boundary vertices, the neighbors along the boundary.
+    let mut along = Csr::default();
+    let mut row = Vec::new();
+    for v in (0u32..).take(mesh.positions.len()) {
+        row.clear();
+        let neighbors = adjacency.neighbors.row(v as usize).iter().copied();
+        row.extend(neighbors.filter(|n| walker.triangles_at(v, *n).count() == 1));
+        along.push_row(&row);
+    }
+    let averaged = |v: usize| match along.row(v) {
+        [] => adjacency.neighbors.row(v),
+        along => along,
+    };
     let mut positions = mesh.positions.clone();
     for _ in 0..SMOOTHING_ROUNDS {
-        positions = (averaged.iter().enumerate())
-            .map(|(v, neighbors)| {
+        positions = (0..positions.len())
+            .into_par_iter()
+            .map(|v| {
+                let neighbors = averaged(v);
                 if neighbors.is_empty() {
                     return positions[v];
                 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
 
 use super::TriMesh;
 
@@ -50,15 +51,18 @@ pub fn vertex_normals(mesh: &TriMesh) -> Vec<Vector3<f64>> {
 /// The undirected edges, each once as (lower, higher) index, ascending.
 #[must_use]
 pub fn edges(mesh: &TriMesh) -> Vec<[u32; 2]> {
-    let mut edges: Vec<[u32; 2]> = mesh
+    // Both ends in one number: sorted much faster than pairs.
+    let mut edges: Vec<u64> = mesh
         .triangles
         .iter()
         .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
-        .map(|[a, b]| [a.min(b), a.max(b)])
+        .map(|[a, b]| u64::from(a.min(b)) << 32 | u64::from(a.max(b)))
         .collect();
-    edges.sort_unstable();
+    edges.par_sort_unstable();
     edges.dedup();
-    edges
+    #[expect(clippy::cast_possible_truncation, reason = "each half is a u32")]
+    let ends = |edge: u64| [(edge >> 32) as u32, edge as u32];
+    edges.into_iter().map(ends).collect()
 }
 
 /// Length of every undirected edge, ascending by vertex pair.
