@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use nalgebra::{Point2, Point3, Vector3};
+use rayon::prelude::*;
 use spade::handles::FixedVertexHandle;
 use spade::{InsertionError, PositionInTriangulation, Triangulation};
 use thiserror::Error;
@@ -26,6 +27,9 @@ const RIM_CLEARANCE: f64 = 0.6;
 /// Edges longer than this many spacings are no part of an open-ended extension: they bridge the
 /// concave outline of the lattice.
 const LONGEST_EXTENSION_EDGE: f64 = 3.0;
+
+/// Points of the lattice that one task looks for.
+const LOCATED_AT_ONCE: usize = 4096;
 
 /// A gap to fill: the loops around it, each with the gap on its left.
 #[derive(Debug, Clone, Default)]
@@ -116,21 +120,17 @@ pub fn fill(
     }
     let clear = Clearance::new(&rims.rims, &chart, spacing);
     let lattice = region.points(spacing, gap.extend_over.is_some());
-    let inside = lattice.into_iter().filter_map(|point| {
-        let q = chart.to_plane(&point.point);
-        let location = rims.cdt.locate(spade::Point2::new(q.x, q.y));
-        let free = match location {
-            PositionInTriangulation::OnFace(face) => in_gap[face.index()],
-            PositionInTriangulation::OutsideOfConvexHull(_) => gap.extend_over.is_some(),
-            // On an edge or vertex: between rim vertices, so too near a rim or in line with one.
-            PositionInTriangulation::OnEdge(edge) => {
-                let edge = rims.cdt.directed_edge(edge);
-                !edge.is_constraint_edge() && in_gap[edge.face().fix().index()]
-            }
-            _ => false,
-        };
-        (free && clear.is_clear(&point.point)).then_some((q, point))
+    let inside = (lattice.par_chunks(LOCATED_AT_ONCE)).flat_map_iter(|points| {
+        // Neighbors in the lattice are near each other.
+        let mut near = None;
+        let inside = points.iter().filter_map(|point| {
+            let q = chart.to_plane(&point.point);
+            let free = is_in_gap(&rims, &in_gap, &q, &mut near, gap.extend_over.is_some());
+            (free && clear.is_clear(&point.point)).then_some((q, *point))
+        });
+        inside.collect::<Vec<_>>()
     });
+    let inside: Vec<_> = inside.collect();
     let first_target = u32::try_from(relief.feet.len()).unwrap_or(u32::MAX);
     let builder = Builder {
         chart: &chart,
@@ -140,9 +140,38 @@ pub fn fill(
         open: gap.extend_over.is_some(),
         targets: Vec::new(),
     };
-    let mut fill = builder.build(inside.collect(), rims)?;
+    let mut fill = builder.build(inside, rims)?;
     fill.islands = islands;
     Ok(fill)
+}
+
+/// Whether a place of the chart lies in the gap, looked for from `near` on. Beyond all rims only an
+/// open gap lies.
+fn is_in_gap(
+    rims: &RimTriangulation,
+    in_gap: &[bool],
+    q: &Point2<f64>,
+    near: &mut Option<FixedVertexHandle>,
+    open: bool,
+) -> bool {
+    let place = spade::Point2::new(q.x, q.y);
+    let location = match *near {
+        Some(near) => rims.cdt.locate_with_hint(place, near),
+        None => rims.cdt.locate(place),
+    };
+    match location {
+        PositionInTriangulation::OnFace(face) => {
+            *near = Some(rims.cdt.face(face).vertices()[0].fix());
+            in_gap[face.index()]
+        }
+        PositionInTriangulation::OutsideOfConvexHull(_) => open,
+        // On an edge or vertex: between rim vertices, so too near a rim or in line with one.
+        PositionInTriangulation::OnEdge(edge) => {
+            let edge = rims.cdt.directed_edge(edge);
+            !edge.is_constraint_edge() && in_gap[edge.face().fix().index()]
+        }
+        _ => false,
+    }
 }
 
 /// Whether the gap has an end on the base surface: not beyond a plane's outer rim, nor beyond the end

@@ -40,10 +40,10 @@ pub struct EdgeSpacing {
 pub fn edge_spacing(mesh: &TriMesh, rule: SpacingRule) -> Option<EdgeSpacing> {
     let mut lengths = edge_lengths(mesh);
     lengths.retain(|length| *length > 0.0);
-    lengths.sort_unstable_by(f64::total_cmp);
-    let shortest = *lengths.first()?;
-    let nyquist = lengths[lengths.len() / NYQUIST_ONE_IN];
-    let median = lengths[lengths.len() / 2];
+    let (tenth, half) = (lengths.len() / NYQUIST_ONE_IN, lengths.len() / 2);
+    let shortest = lengths.iter().copied().min_by(f64::total_cmp)?;
+    let mut quantile = |index| *lengths.select_nth_unstable_by(index, f64::total_cmp).1;
+    let (nyquist, median) = (quantile(tenth), quantile(half));
     let spacing = match rule {
         SpacingRule::Nyquist => nyquist,
         SpacingRule::Scan => median,

@@ -1,6 +1,7 @@
 //! 1-to-4 subdivision of the sample surface, so that a target finds samples in phase with it.
 
 use nalgebra::Point3;
+use rayon::prelude::*;
 
 use crate::base::BaseSurface;
 use crate::mesh::{PointTree, TriMesh, edges};
@@ -41,6 +42,9 @@ pub fn subdivide(
 ) -> Subdivision {
     let (triangles, parents) = split(mesh);
     let mut fine = relief.clone();
+    fine.feet.reserve_exact(parents.len());
+    fine.normals.reserve_exact(parents.len());
+    fine.heights.reserve_exact(parents.len());
     for [a, b] in &parents {
         let (a, b) = (*a as usize, *b as usize);
         let foot = base.foot(&nalgebra::center(&mesh.positions[a], &mesh.positions[b]));
@@ -50,7 +54,8 @@ pub fn subdivide(
             .push(0.5 * (relief.heights[a] + relief.heights[b]));
     }
     let old = mesh.positions.len();
-    let mut positions = mesh.positions.clone();
+    let mut positions = Vec::with_capacity(fine.feet.len());
+    positions.extend_from_slice(&mesh.positions);
     positions.extend((old..fine.feet.len()).map(|v| fine.point(v, fine.heights[v])));
     Subdivision {
         mesh: TriMesh {
@@ -67,9 +72,20 @@ pub fn subdivide(
 fn split(mesh: &TriMesh) -> (Vec<[u32; 3]>, Vec<[u32; 2]>) {
     let old = u32::try_from(mesh.positions.len()).expect("indices are u32");
     let edges = edges(mesh);
+    // The edges of each vertex to higher ones stand together.
+    let starts: Vec<usize> = (0..=old)
+        .scan(0, |next, v| {
+            while edges.get(*next).is_some_and(|edge| edge[0] < v) {
+                *next += 1;
+            }
+            Some(*next)
+        })
+        .collect();
     let middle = |a: u32, b: u32| {
-        let place = edges.binary_search(&[a.min(b), a.max(b)]);
-        old + u32::try_from(place.expect("every edge was listed")).expect("indices are u32")
+        let (low, high) = (a.min(b) as usize, a.max(b));
+        let place = edges[starts[low]..starts[low + 1]].binary_search_by_key(&high, |e| e[1]);
+        let place = starts[low] + place.expect("every edge was listed");
+        old + u32::try_from(place).expect("indices are u32")
     };
     let triangles = (mesh.triangles.iter())
         .flat_map(|&[a, b, c]| {
@@ -95,7 +111,7 @@ fn mixed_colors(
     }
     let feet: Vec<_> = used.iter().map(|v| relief.feet[*v]).collect();
     let tree = PointTree::new(&feet);
-    let mixed = points.iter().map(|p| {
+    let mixed = points.par_iter().map(|p| {
         let nearest = tree.nearest_n(p, COLOR_NEIGHBORS);
         let distances = nearest.iter().map(|n| n.distance_sq.sqrt());
         let sigma = distances.sum::<f64>() / nearest.len() as f64;
@@ -115,5 +131,5 @@ fn mixed_colors(
         }
         sum.map(|c| c / total)
     });
-    colors.iter().copied().chain(mixed).collect()
+    (colors.par_iter().copied()).chain(mixed).collect()
 }
