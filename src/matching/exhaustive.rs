@@ -1,0 +1,347 @@
+//! The cheapest candidates of a table, all of them compared.
+//!
+//! A query with the offsets Q known costs at a candidate
+//!
+//! ```text
+//! Σ_{j ∈ Q} w_j Σ_c (q_jc − s_jc)²  /  Σ_{j ∈ Q} w_j
+//! ```
+//!
+//! if the candidate knows all of Q; otherwise it is not *viable*. Sums are formed in `f32`, offset
+//! after offset and channel after channel, by separate subtractions, multiplications and additions,
+//! for 16 candidates side by side: costs are the same to the last bit on every machine and for any
+//! number of threads.
+//!
+//! # Reference
+//! [Breckon & Fisher 2005](crate::bibliography#breckon--fisher-2005), §3: the sum of squared
+//! differences over the known neighbors, normalised, and the set of matches near the best one.
+//! Leaving a candidate as soon as its partial sum is too high is known from vector quantisation as
+//! partial-distance elimination.
+
+use std::cell::Cell;
+use std::ops::Range;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use rayon::prelude::*;
+
+use crate::neighborhood::Descriptor;
+
+use super::table::{LANES, Row, Table};
+
+/// Blocks that one task of a parallel search reads.
+const CHUNK: usize = 256;
+
+/// Rows (values of a query) between two looks at whether a block can still hold a match.
+const ROWS_A_LOOK: usize = 4;
+
+/// How to search.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Search {
+    /// Matches that cost at most (1 + tolerance) times the best are returned; at least 0.
+    pub tolerance: f32,
+    /// Matches that cost more than this are not returned; infinite by default.
+    pub budget: f32,
+    /// Whether to search on all threads. Leave it off (as by default) where several searches run
+    /// side by side.
+    pub parallel: bool,
+}
+
+impl Default for Search {
+    fn default() -> Self {
+        Self {
+            tolerance: 0.0,
+            budget: f32::INFINITY,
+            parallel: false,
+        }
+    }
+}
+
+/// A candidate to copy from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    /// Its number in the table.
+    pub candidate: u32,
+    /// Weighted mean of squared differences, in the square of the values' unit.
+    pub cost: f32,
+}
+
+/// All viable candidates within the tolerance of the cheapest one and within the budget, ascending
+/// by number; empty if there are none, or nothing is known in the query.
+///
+/// `likely` candidates are looked at first so that dear ones are dropped earlier. Neither they nor
+/// the number of threads change the result.
+///
+/// Candidates with a cost that is not finite are never found.
+///
+/// # Panics
+/// If the query's shape is not the table's, the tolerance is negative or NaN, or a likely candidate
+/// does not exist.
+#[must_use]
+pub fn best_matches(
+    table: &Table,
+    query: &Descriptor,
+    search: &Search,
+    likely: &[u32],
+) -> Vec<Found> {
+    assert!(
+        search.tolerance >= 0.0 && !search.budget.is_nan(),
+        "a tolerance is not negative"
+    );
+    let scan = Scan::new(table, query);
+    if scan.terms.is_empty() {
+        return Vec::new();
+    }
+    let slack = 1.0 + search.tolerance;
+    let limit = Limit::new(scan.sum_limit(search.budget));
+    for candidate in likely {
+        assert!((*candidate as usize) < table.len(), "no such candidate");
+        let block = *candidate as usize / LANES;
+        scan.blocks(block..block + 1, &limit, |_, cost| {
+            limit.lower_to(scan.sum_limit(slack * cost));
+        });
+    }
+    let collect = |blocks: Range<usize>| {
+        let mut found = Vec::new();
+        scan.blocks(blocks, &limit, |candidate, cost| {
+            limit.lower_to(scan.sum_limit(slack * cost));
+            found.push(Found { candidate, cost });
+        });
+        found
+    };
+    let blocks = table.blocks();
+    let mut found = if search.parallel {
+        (0..blocks.div_ceil(CHUNK))
+            .into_par_iter()
+            .flat_map_iter(|i| collect(i * CHUNK..blocks.min((i + 1) * CHUNK)))
+            .collect()
+    } else {
+        collect(0..blocks)
+    };
+    let best = (found.iter()).fold(f32::INFINITY, |best, f| best.min(f.cost));
+    let dearest = search.budget.min(slack * best);
+    found.retain(|f| f.cost <= dearest);
+    found
+}
+
+/// The `k` cheapest viable candidates, ascending by cost, then by number; fewer if fewer are viable.
+///
+/// # Panics
+/// If the query's shape is not the table's.
+#[must_use]
+pub fn nearest(table: &Table, query: &Descriptor, k: usize) -> Vec<Found> {
+    let scan = Scan::new(table, query);
+    if scan.terms.is_empty() || k == 0 {
+        return Vec::new();
+    }
+    let limit = Cell::new(f32::INFINITY);
+    let mut found: Vec<Found> = Vec::new();
+    scan.blocks(0..table.blocks(), &limit, |candidate, cost| {
+        // Candidates come in ascending order, so that equal ones go behind.
+        let place = found.partition_point(|f| f.cost <= cost);
+        if place < k {
+            found.truncate(k - 1);
+            found.insert(place, Found { candidate, cost });
+        }
+        if let Some(last) = found.get(k - 1) {
+            limit.set(scan.sum_limit(last.cost));
+        }
+    });
+    found
+}
+
+/// Cost of one candidate, to the bit what a search finds; `None` if it is not viable, or nothing is
+/// known in the query.
+///
+/// # Panics
+/// If the query's shape is not the table's, or there is no such candidate.
+#[must_use]
+pub fn cost(table: &Table, query: &Descriptor, candidate: u32) -> Option<f32> {
+    assert!((candidate as usize) < table.len(), "no such candidate");
+    let scan = Scan::new(table, query);
+    let (block, lane) = (candidate as usize / LANES, candidate as usize % LANES);
+    let known = table.known(block).iter().map(|lanes| lanes[lane]);
+    if scan.terms.is_empty()
+        || known
+            .zip(scan.mask)
+            .any(|(known, asked)| asked & !known != 0)
+    {
+        return None;
+    }
+    let rows = table.rows(block);
+    let sum = (scan.terms.iter()).fold(0.0, |sum, term| {
+        sum + term.of(rows[term.row as usize].0[lane])
+    });
+    Some(sum / scan.total)
+}
+
+/// Highest weighted sum that still matters.
+trait SumLimit {
+    fn get(&self) -> f32;
+}
+
+impl SumLimit for Cell<f32> {
+    #[inline(always)]
+    fn get(&self) -> f32 {
+        self.get()
+    }
+}
+
+/// A limit that threads share.
+struct Limit {
+    /// The bits of a nonnegative float, which are ordered as it is.
+    bits: AtomicU32,
+}
+
+impl Limit {
+    fn new(limit: f32) -> Self {
+        Self {
+            bits: AtomicU32::new(limit.to_bits()),
+        }
+    }
+
+    fn lower_to(&self, limit: f32) {
+        self.bits.fetch_min(limit.to_bits(), Ordering::Relaxed);
+    }
+}
+
+impl SumLimit for Limit {
+    #[inline(always)]
+    fn get(&self) -> f32 {
+        f32::from_bits(self.bits.load(Ordering::Relaxed))
+    }
+}
+
+/// A value of the query, with what it is compared to.
+#[derive(Debug, Clone, Copy)]
+struct Term {
+    /// Row in every block.
+    row: u32,
+    weight: f32,
+    value: f32,
+}
+
+impl Term {
+    /// What a candidate with `value` there contributes to the weighted sum.
+    #[inline(always)]
+    fn of(&self, value: f32) -> f32 {
+        let difference = self.value - value;
+        self.weight * (difference * difference)
+    }
+}
+
+/// A query made ready for a table.
+struct Scan<'a> {
+    table: &'a Table,
+    mask: &'a [u64],
+    /// By row, hence heaviest first.
+    terms: Vec<Term>,
+    /// Sum of the known offsets' weights.
+    total: f32,
+}
+
+impl<'a> Scan<'a> {
+    fn new(table: &'a Table, query: &'a Descriptor) -> Self {
+        let channels = table.channels();
+        assert!(
+            query.values.len() == table.offsets() * channels,
+            "the shape of a query is the table's"
+        );
+        let mut terms = Vec::with_capacity(query.known.count() * channels);
+        let mut total = 0.0;
+        for j in query.known.iter() {
+            let weight = table.weights()[j];
+            total += weight;
+            terms.extend((j * channels..(j + 1) * channels).map(|row| Term {
+                row: u32::try_from(row).expect("rows of a block are u32"),
+                weight,
+                value: query.values[row],
+            }));
+        }
+        Self {
+            table,
+            mask: query.known.words(),
+            terms,
+            total,
+        }
+    }
+
+    /// A weighted sum that no candidate exceeds that costs at most `cost`.
+    #[expect(clippy::cast_possible_truncation, reason = "rounded up")]
+    fn sum_limit(&self, cost: f32) -> f32 {
+        // A cost is a rounded quotient: the sum is at most half a unit of the cost's last digit
+        // more than the product says, and the smallest unit there is at costs near 0.
+        let cost = f64::from(cost.next_up());
+        ((cost * f64::from(self.total)) as f32).next_up()
+    }
+
+    /// Calls `found` for every candidate of `blocks` with a sum within the limit, which is read
+    /// anew for every block, and perhaps for some above it.
+    #[inline(always)]
+    fn blocks(&self, blocks: Range<usize>, limit: &impl SumLimit, mut found: impl FnMut(u32, f32)) {
+        for block in blocks {
+            let within = limit.get();
+            let Some(sums) = self.block(block, within) else {
+                continue;
+            };
+            for (lane, sum) in sums.0.into_iter().enumerate() {
+                if sum <= within && sum < f32::INFINITY {
+                    #[expect(clippy::cast_possible_truncation, reason = "candidates are u32")]
+                    let candidate = (block * LANES + lane) as u32;
+                    found(candidate, sum / self.total);
+                }
+            }
+        }
+    }
+
+    /// Weighted sums of a block's candidates, infinite where not viable; `None` if all are above
+    /// the limit.
+    #[inline(always)]
+    fn block(&self, block: usize, limit: f32) -> Option<Row> {
+        let mut sums = self.viable(block)?;
+        let rows = self.table.rows(block);
+        for terms in self.terms.chunks(ROWS_A_LOOK) {
+            for term in terms {
+                let row = &rows[term.row as usize];
+                for (sum, value) in sums.0.iter_mut().zip(row.0) {
+                    *sum += term.of(value);
+                }
+            }
+            if !sums.0.iter().fold(false, |any, sum| any | (*sum <= limit)) {
+                return None;
+            }
+        }
+        Some(sums)
+    }
+
+    /// 0 for the candidates of a block that know all that the query knows, infinity for the others;
+    /// `None` if none does.
+    #[inline(always)]
+    fn viable(&self, block: usize) -> Option<Row> {
+        let common = self.table.common(block);
+        let (mut lacking_in_all, mut lacking_in_any) = (0, 0);
+        for (asked, common) in self.mask.iter().zip(common) {
+            lacking_in_all |= asked & !common.any;
+            lacking_in_any |= asked & !common.all;
+        }
+        if lacking_in_all != 0 {
+            return None;
+        }
+        let mut sums = Row::ZERO;
+        if lacking_in_any != 0 {
+            let mut lacking = [0; LANES];
+            for (asked, known) in self.mask.iter().zip(self.table.known(block)) {
+                for (lacking, known) in lacking.iter_mut().zip(known) {
+                    *lacking |= asked & !known;
+                }
+            }
+            for (sum, lacking) in sums.0.iter_mut().zip(lacking) {
+                if lacking != 0 {
+                    *sum = f32::INFINITY;
+                }
+            }
+        }
+        Some(sums)
+    }
+}
+
+#[cfg(test)]
+mod tests;
