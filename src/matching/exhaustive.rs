@@ -21,17 +21,18 @@ use std::cell::Cell;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use pulp::Arch;
 use rayon::prelude::*;
 
 use crate::neighborhood::Descriptor;
 
-use super::table::{LANES, Row, Table};
+use super::table::{LANES, Row, TILE, Table, Tile};
 
 /// Blocks that one task of a parallel search reads.
 const CHUNK: usize = 256;
 
-/// Rows (values of a query) between two looks at whether a block can still hold a match.
-const ROWS_A_LOOK: usize = 4;
+/// Values of a query that are compared between two looks at which blocks can still hold a match.
+const STAGE: usize = 6;
 
 /// How to search.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -166,9 +167,9 @@ pub fn cost(table: &Table, query: &Descriptor, candidate: u32) -> Option<f32> {
     {
         return None;
     }
-    let rows = table.rows(block);
+    let (tile, b) = (table.tile(block / TILE), block % TILE);
     let sum = (scan.terms.iter()).fold(0.0, |sum, term| {
-        sum + term.of(rows[term.row as usize].0[lane])
+        sum + term.of(tile.run(term.row as usize)[b].0[lane])
     });
     Some(sum / scan.total)
 }
@@ -228,6 +229,52 @@ impl Term {
     }
 }
 
+/// The blocks of a tile that can still hold a match.
+struct Front {
+    /// Sums so far, by block; infinite for candidates that are not viable.
+    sums: [Row; TILE],
+    /// Numbers of the blocks in the tile, ascending.
+    alive: [u8; TILE],
+    len: usize,
+}
+
+impl Front {
+    fn new() -> Self {
+        Self {
+            sums: [Row::ZERO; TILE],
+            alive: [0; TILE],
+            len: 0,
+        }
+    }
+
+    /// Adds some terms to the sums and drops the blocks with all sums above the limit.
+    #[inline(always)]
+    fn advance<const N: usize>(&mut self, tile: &Tile<'_>, terms: &[Term; N], limit: f32) {
+        let runs = terms.map(|term| tile.run(term.row as usize));
+        let mut len = 0;
+        for i in 0..self.len {
+            let block = self.alive[i] as usize % TILE;
+            let mut sums = self.sums[block];
+            for (term, run) in terms.iter().zip(runs) {
+                for (sum, value) in sums.0.iter_mut().zip(run[block].0) {
+                    *sum += term.of(value);
+                }
+            }
+            self.sums[block] = sums;
+            // No branch: whether a block survives is hard to foresee.
+            self.alive[len] = self.alive[i];
+            let survives = sums.0.iter().fold(false, |any, sum| any | (*sum <= limit));
+            len += usize::from(survives);
+        }
+        self.len = len;
+    }
+
+    fn survivors(&self) -> impl Iterator<Item = (usize, &Row)> {
+        let alive = &self.alive[..self.len];
+        alive.iter().map(|b| (*b as usize, &self.sums[*b as usize]))
+    }
+}
+
 /// A query made ready for a table.
 struct Scan<'a> {
     table: &'a Table,
@@ -274,42 +321,66 @@ impl<'a> Scan<'a> {
     }
 
     /// Calls `found` for every candidate of `blocks` with a sum within the limit, which is read
-    /// anew for every block, and perhaps for some above it.
-    #[inline(always)]
+    /// anew for every tile, and perhaps for some above it.
     fn blocks(&self, blocks: Range<usize>, limit: &impl SumLimit, mut found: impl FnMut(u32, f32)) {
-        for block in blocks {
-            let within = limit.get();
-            let Some(sums) = self.block(block, within) else {
-                continue;
-            };
-            for (lane, sum) in sums.0.into_iter().enumerate() {
-                if sum <= within && sum < f32::INFINITY {
-                    #[expect(clippy::cast_possible_truncation, reason = "candidates are u32")]
-                    let candidate = (block * LANES + lane) as u32;
-                    found(candidate, sum / self.total);
+        let mut front = Front::new();
+        let tiles = blocks.start / TILE..blocks.end.div_ceil(TILE);
+        Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for tile in tiles {
+                    let first = tile * TILE;
+                    let members = blocks.start.max(first)..blocks.end.min(first + TILE);
+                    self.enter(&mut front, first, members);
+                    self.run(&mut front, &self.table.tile(tile), limit.get());
+                    for (block, sums) in front.survivors() {
+                        self.report(first + block, sums, limit.get(), &mut found);
+                    }
                 }
+            },
+        );
+    }
+
+    /// Calls `found` for the candidates of a block with a sum within the limit.
+    #[inline(always)]
+    fn report(&self, block: usize, sums: &Row, limit: f32, found: &mut impl FnMut(u32, f32)) {
+        for (lane, sum) in sums.0.into_iter().enumerate() {
+            if sum <= limit && sum < f32::INFINITY {
+                #[expect(clippy::cast_possible_truncation, reason = "candidates are u32")]
+                let candidate = (block * LANES + lane) as u32;
+                found(candidate, sum / self.total);
             }
         }
     }
 
-    /// Weighted sums of a block's candidates, infinite where not viable; `None` if all are above
-    /// the limit.
+    /// Starts a tile with those of `blocks` that have a viable candidate.
     #[inline(always)]
-    fn block(&self, block: usize, limit: f32) -> Option<Row> {
-        let mut sums = self.viable(block)?;
-        let rows = self.table.rows(block);
-        for terms in self.terms.chunks(ROWS_A_LOOK) {
-            for term in terms {
-                let row = &rows[term.row as usize];
-                for (sum, value) in sums.0.iter_mut().zip(row.0) {
-                    *sum += term.of(value);
-                }
-            }
-            if !sums.0.iter().fold(false, |any, sum| any | (*sum <= limit)) {
-                return None;
+    fn enter(&self, front: &mut Front, first: usize, blocks: Range<usize>) {
+        front.len = 0;
+        for block in blocks {
+            if let Some(sums) = self.viable(block) {
+                front.sums[block - first] = sums;
+                #[expect(clippy::cast_possible_truncation, reason = "a tile has 64 blocks")]
+                let block = (block - first) as u8;
+                front.alive[front.len] = block;
+                front.len += 1;
             }
         }
-        Some(sums)
+    }
+
+    /// Sums up a tile's differences until no block is left or all are summed.
+    #[inline(always)]
+    fn run(&self, front: &mut Front, tile: &Tile<'_>, limit: f32) {
+        let (stages, rest) = self.terms.as_chunks::<STAGE>();
+        for stage in stages {
+            if front.len == 0 {
+                return;
+            }
+            front.advance(tile, stage, limit);
+        }
+        for term in rest {
+            front.advance(tile, &[*term], limit);
+        }
     }
 
     /// 0 for the candidates of a block that know all that the query knows, infinity for the others;

@@ -7,6 +7,9 @@ use crate::neighborhood::{Descriptor, Mask};
 /// Candidates of a block: their values at one offset and channel fill a cache line.
 pub(super) const LANES: usize = 16;
 
+/// Blocks of a tile: their rows at one offset and channel fill a page of memory.
+pub(super) const TILE: usize = 64;
+
 /// The values of a block's candidates at one offset and channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(64))]
@@ -19,14 +22,15 @@ impl Row {
 /// The descriptors of all candidates, arranged for [`exhaustive`](super::exhaustive) search.
 ///
 /// A candidate is a sample neighborhood at one rotation; what its number means is the caller's.
-/// Candidates are kept in blocks of 16, and a block as J·C rows of 16 values, so that a search
-/// reads only the offsets that its query knows and stops at any of them.
+/// Candidates are kept in blocks of 16 and blocks in tiles of 64. A tile is J·C runs of memory, each
+/// with the values of its 1024 candidates at one offset and channel: a search reads on and on what
+/// its query knows and what its candidates begin with, and skips the rest.
 #[derive(Debug, Clone)]
 pub struct Table {
     len: usize,
     channels: usize,
     weights: Vec<f32>,
-    /// Blocks by offsets by channels.
+    /// Tiles by offsets by channels by blocks of the tile, which are 64 but in the last tile.
     rows: Vec<Row>,
     /// Words of the masks: blocks by words of a mask by 16.
     known: Vec<[u64; LANES]>,
@@ -67,19 +71,27 @@ impl Table {
         assert!(weights.iter().all(positive), "weights must be positive");
         let blocks = candidates.div_ceil(LANES);
         let words = Mask::words_for(offsets);
-        let mut rows = vec![Row::ZERO; blocks * offsets * channels];
+        let stride = offsets * channels;
+        let mut rows = vec![Row::ZERO; blocks * stride];
         let mut known = vec![[0; LANES]; blocks * words];
-        (rows.par_chunks_mut(offsets * channels))
-            .zip(known.par_chunks_mut(words))
+        (rows.par_chunks_mut(TILE * stride))
+            .zip(known.par_chunks_mut(TILE * words))
             .enumerate()
             .for_each_init(
-                || Descriptor::new(offsets, channels),
-                |scratch, (block, (rows, known))| {
-                    let first = block * LANES;
-                    for lane in 0..LANES.min(candidates - first) {
-                        scratch.clear();
-                        describe(first + lane, scratch);
-                        store(scratch, lane, channels, rows, known);
+                || (Descriptor::new(offsets, channels), vec![Row::ZERO; stride]),
+                |(scratch, block), (tile, (rows, known))| {
+                    let width = rows.len() / stride;
+                    for (b, known) in known.chunks_mut(words).enumerate() {
+                        let first = (tile * TILE + b) * LANES;
+                        block.fill(Row::ZERO);
+                        for lane in 0..LANES.min(candidates - first) {
+                            scratch.clear();
+                            describe(first + lane, scratch);
+                            store(scratch, lane, channels, block, known);
+                        }
+                        for (run, row) in rows.chunks_mut(width).zip(&*block) {
+                            run[b] = *row;
+                        }
                     }
                 },
             );
@@ -147,8 +159,9 @@ impl Table {
         assert!(candidate < self.len, "no such candidate");
         let (block, lane) = (candidate / LANES, candidate % LANES);
         let mut descriptor = Descriptor::new(self.offsets(), self.channels);
-        for (value, row) in descriptor.values.iter_mut().zip(self.rows(block)) {
-            *value = row.0[lane];
+        let (tile, b) = (self.tile(block / TILE), block % TILE);
+        for (row, value) in descriptor.values.iter_mut().enumerate() {
+            *value = tile.run(row)[b].0[lane];
         }
         let known = self.known(block);
         for j in 0..self.offsets() {
@@ -166,11 +179,15 @@ impl Table {
         self.len.div_ceil(LANES)
     }
 
-    /// A block's values: offsets by channels.
+    /// Values of the blocks from `tile`·64 on.
     #[inline(always)]
-    pub(super) fn rows(&self, block: usize) -> &[Row] {
+    pub(super) fn tile(&self, tile: usize) -> Tile<'_> {
         let stride = self.weights.len() * self.channels;
-        &self.rows[block * stride..][..stride]
+        let width = TILE.min(self.blocks() - tile * TILE);
+        Tile {
+            rows: &self.rows[tile * TILE * stride..][..width * stride],
+            width,
+        }
     }
 
     /// The words of a block's masks.
@@ -185,6 +202,21 @@ impl Table {
     pub(super) fn common(&self, block: usize) -> &[Common] {
         let words = Mask::words_for(self.weights.len());
         &self.common[block * words..][..words]
+    }
+}
+
+/// Values of up to 64 blocks.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Tile<'a> {
+    rows: &'a [Row],
+    width: usize,
+}
+
+impl<'a> Tile<'a> {
+    /// A row of all blocks.
+    #[inline(always)]
+    pub(super) fn run(&self, row: usize) -> &'a [Row] {
+        &self.rows[row * self.width..][..self.width]
     }
 }
 
@@ -255,7 +287,8 @@ mod tests {
 
     #[test]
     fn memory_is_foretold_to_the_byte() {
-        for (candidates, offsets, channels) in [(0, 1, 1), (1, 81, 1), (37, 70, 2), (64, 128, 4)] {
+        for (candidates, offsets, channels) in [(0, 1, 1), (1, 81, 1), (1061, 70, 2), (64, 128, 4)]
+        {
             let table = Table::build(candidates, channels, &vec![1.0; offsets], |_, _| {});
             let taken = size_of::<f32>() * table.weights.capacity()
                 + size_of::<Row>() * table.rows.capacity()

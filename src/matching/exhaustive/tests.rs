@@ -30,7 +30,9 @@ struct Shape {
 
 impl Shape {
     fn any() -> impl Strategy<Value = Self> {
-        let sizes = (1..150usize, 1..5usize, 0..90usize);
+        // Now and then more than a tile.
+        let candidates = prop_oneof![9 => 0..90usize, 1 => 1000..1100usize];
+        let sizes = (1..150usize, 1..5usize, candidates);
         let levels = prop_oneof![Just(2usize), Just(5), Just(1_000_000)];
         (any::<u32>(), sizes, 0.0..1.0f64, 0.0..1.0f64, levels).prop_map(
             |(seed, (offsets, channels, candidates), known, complete, levels)| Self {
