@@ -14,8 +14,9 @@
 //! # Reference
 //! [Breckon & Fisher 2005](crate::bibliography#breckon--fisher-2005), §3: the sum of squared
 //! differences over the known neighbors, normalised, and the set of matches near the best one.
-//! Leaving a candidate as soon as its partial sum is too high is known from vector quantisation as
-//! partial-distance elimination.
+//! Leaving a candidate as soon as its partial sum is too high: C.-D. Bei, R. M. Gray, *An improvement
+//! of the minimum distortion encoding algorithm for vector quantization*, IEEE Transactions on
+//! Communications 33(10), 1132–1133, 1985.
 
 use std::cell::Cell;
 use std::ops::Range;
@@ -28,8 +29,11 @@ use crate::neighborhood::Descriptor;
 
 use super::table::{LANES, Row, TILE, Table, Tile};
 
-/// Blocks that one task of a parallel search reads.
-const CHUNK: usize = 256;
+/// Tiles that one task of a parallel search reads.
+const TASK: usize = 4;
+
+/// Queries that are compared with a tile while it is in the processor's cache.
+const BATCH: usize = 64;
 
 /// Values of a query that are compared between two looks at which blocks can still hold a match.
 const STAGE: usize = 6;
@@ -65,13 +69,21 @@ pub struct Found {
     pub cost: f32,
 }
 
+/// What to look for.
+#[derive(Debug, Clone, Copy)]
+pub struct Query<'a> {
+    /// The neighborhood, partly known.
+    pub descriptor: &'a Descriptor,
+    /// Candidates to look at first, so that dear ones are dropped earlier. They do not change the
+    /// result.
+    pub likely: &'a [u32],
+}
+
 /// All viable candidates within the tolerance of the cheapest one and within the budget, ascending
 /// by number; empty if there are none, or nothing is known in the query.
 ///
-/// `likely` candidates are looked at first so that dear ones are dropped earlier. Neither they nor
-/// the number of threads change the result.
-///
-/// Candidates with a cost that is not finite are never found.
+/// Neither `likely` (see [`Query`]) nor the number of threads change the result. Candidates with a
+/// cost that is not finite are never found.
 ///
 /// # Panics
 /// If the query's shape is not the table's, the tolerance is negative or NaN, or a likely candidate
@@ -83,44 +95,113 @@ pub fn best_matches(
     search: &Search,
     likely: &[u32],
 ) -> Vec<Found> {
+    let query = Query {
+        descriptor: query,
+        likely,
+    };
+    let mut found = best_matches_of_all(table, &[query], search);
+    found.pop().expect("there is a list for each query")
+}
+
+/// [`best_matches`] of each of several queries.
+///
+/// They share what is read of a table, which is faster than one after the other where the table is
+/// larger than the processor's caches.
+///
+/// # Panics
+/// As [`best_matches`].
+#[must_use]
+pub fn best_matches_of_all(
+    table: &Table,
+    queries: &[Query<'_>],
+    search: &Search,
+) -> Vec<Vec<Found>> {
     assert!(
         search.tolerance >= 0.0 && !search.budget.is_nan(),
         "a tolerance is not negative"
     );
-    let scan = Scan::new(table, query);
-    if scan.terms.is_empty() {
-        return Vec::new();
-    }
-    let slack = 1.0 + search.tolerance;
-    let limit = Limit::new(scan.sum_limit(search.budget));
-    for candidate in likely {
-        assert!((*candidate as usize) < table.len(), "no such candidate");
-        let block = *candidate as usize / LANES;
-        scan.blocks(block..block + 1, &limit, |_, cost| {
-            limit.lower_to(scan.sum_limit(slack * cost));
-        });
-    }
-    let collect = |blocks: Range<usize>| {
-        let mut found = Vec::new();
-        scan.blocks(blocks, &limit, |candidate, cost| {
-            limit.lower_to(scan.sum_limit(slack * cost));
-            found.push(Found { candidate, cost });
-        });
+    (queries.chunks(BATCH))
+        .flat_map(|batch| best_matches_of_batch(table, batch, search))
+        .collect()
+}
+
+fn best_matches_of_batch(table: &Table, batch: &[Query<'_>], search: &Search) -> Vec<Vec<Found>> {
+    let hunts: Vec<Hunt<'_>> = (batch.iter())
+        .map(|query| Hunt::new(table, query, search))
+        .collect();
+    let collect = |tiles: Range<usize>| {
+        let mut found = vec![Vec::new(); hunts.len()];
+        let mut front = Front::new();
+        for tile in tiles {
+            for (hunt, found) in hunts.iter().zip(&mut found) {
+                hunt.search(&mut front, tile, found);
+            }
+        }
         found
     };
-    let blocks = table.blocks();
-    let mut found = if search.parallel {
-        (0..blocks.div_ceil(CHUNK))
+    let tiles = table.tiles();
+    let parts: Vec<Vec<Vec<Found>>> = if search.parallel {
+        (0..tiles.div_ceil(TASK))
             .into_par_iter()
-            .flat_map_iter(|i| collect(i * CHUNK..blocks.min((i + 1) * CHUNK)))
+            .map(|i| collect(i * TASK..tiles.min((i + 1) * TASK)))
             .collect()
     } else {
-        collect(0..blocks)
+        vec![collect(0..tiles)]
     };
-    let best = (found.iter()).fold(f32::INFINITY, |best, f| best.min(f.cost));
-    let dearest = search.budget.min(slack * best);
-    found.retain(|f| f.cost <= dearest);
-    found
+    (hunts.iter().enumerate())
+        .map(|(i, hunt)| hunt.best(parts.iter().flat_map(|part| &part[i])))
+        .collect()
+}
+
+/// The search for the best matches of one query.
+struct Hunt<'a> {
+    scan: Scan<'a>,
+    limit: Limit,
+    budget: f32,
+    /// What matches may cost in units of the best one.
+    slack: f32,
+}
+
+impl<'a> Hunt<'a> {
+    fn new(table: &'a Table, query: &Query<'a>, search: &Search) -> Self {
+        let scan = Scan::new(table, query.descriptor);
+        let hunt = Self {
+            limit: Limit::new(scan.sum_limit(search.budget)),
+            scan,
+            budget: search.budget,
+            slack: 1.0 + search.tolerance,
+        };
+        let mut front = Front::new();
+        for candidate in query.likely {
+            assert!((*candidate as usize) < table.len(), "no such candidate");
+            let block = *candidate as usize / LANES;
+            (hunt.scan).blocks(&mut front, block..block + 1, &hunt.limit, |_, cost| {
+                hunt.offer(cost);
+            });
+        }
+        hunt
+    }
+
+    fn search(&self, front: &mut Front, tile: usize, found: &mut Vec<Found>) {
+        let blocks = self.scan.table.blocks_of(tile);
+        (self.scan).blocks(front, blocks, &self.limit, |candidate, cost| {
+            self.offer(cost);
+            found.push(Found { candidate, cost });
+        });
+    }
+
+    fn offer(&self, cost: f32) {
+        self.limit.lower_to(self.scan.sum_limit(self.slack * cost));
+    }
+
+    /// Those of all found that match.
+    fn best<'f>(&self, found: impl Iterator<Item = &'f Found> + Clone) -> Vec<Found> {
+        let best = found
+            .clone()
+            .fold(f32::INFINITY, |best, f| best.min(f.cost));
+        let dearest = self.budget.min(self.slack * best);
+        found.filter(|f| f.cost <= dearest).copied().collect()
+    }
 }
 
 /// The `k` cheapest viable candidates, ascending by cost, then by number; fewer if fewer are viable.
@@ -135,7 +216,8 @@ pub fn nearest(table: &Table, query: &Descriptor, k: usize) -> Vec<Found> {
     }
     let limit = Cell::new(f32::INFINITY);
     let mut found: Vec<Found> = Vec::new();
-    scan.blocks(0..table.blocks(), &limit, |candidate, cost| {
+    let mut front = Front::new();
+    let mut insert = |candidate, cost| {
         // Candidates come in ascending order, so that equal ones go behind.
         let place = found.partition_point(|f| f.cost <= cost);
         if place < k {
@@ -145,7 +227,10 @@ pub fn nearest(table: &Table, query: &Descriptor, k: usize) -> Vec<Found> {
         if let Some(last) = found.get(k - 1) {
             limit.set(scan.sum_limit(last.cost));
         }
-    });
+    };
+    for tile in 0..table.tiles() {
+        scan.blocks(&mut front, table.blocks_of(tile), &limit, &mut insert);
+    }
     found
 }
 
@@ -320,29 +405,32 @@ impl<'a> Scan<'a> {
         ((cost * f64::from(self.total)) as f32).next_up()
     }
 
-    /// Calls `found` for every candidate of `blocks` with a sum within the limit, which is read
-    /// anew for every tile, and perhaps for some above it.
-    fn blocks(&self, blocks: Range<usize>, limit: &impl SumLimit, mut found: impl FnMut(u32, f32)) {
-        let mut front = Front::new();
-        let tiles = blocks.start / TILE..blocks.end.div_ceil(TILE);
+    /// Calls `found` for every candidate of `blocks`, all of one tile, with a sum within the limit.
+    fn blocks(
+        &self,
+        front: &mut Front,
+        blocks: Range<usize>,
+        limit: &impl SumLimit,
+        mut found: impl FnMut(u32, f32),
+    ) {
+        if self.terms.is_empty() {
+            return;
+        }
+        let tile = blocks.start / TILE;
+        let first = tile * TILE;
         Arch::new().dispatch(
             #[inline(always)]
             || {
-                for tile in tiles {
-                    let first = tile * TILE;
-                    let members = blocks.start.max(first)..blocks.end.min(first + TILE);
-                    self.enter(&mut front, first, members);
-                    self.run(&mut front, &self.table.tile(tile), limit.get());
-                    for (block, sums) in front.survivors() {
-                        self.report(first + block, sums, limit.get(), &mut found);
-                    }
-                }
+                self.enter(front, first, blocks);
+                self.run(front, &self.table.tile(tile), limit.get());
             },
         );
+        for (block, sums) in front.survivors() {
+            self.report(first + block, sums, limit.get(), &mut found);
+        }
     }
 
     /// Calls `found` for the candidates of a block with a sum within the limit.
-    #[inline(always)]
     fn report(&self, block: usize, sums: &Row, limit: f32, found: &mut impl FnMut(u32, f32)) {
         for (lane, sum) in sums.0.into_iter().enumerate() {
             if sum <= limit && sum < f32::INFINITY {

@@ -1,5 +1,7 @@
 //! All candidates' neighborhoods in the order in which a search reads them.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::neighborhood::{Descriptor, Mask};
@@ -175,15 +177,25 @@ impl Table {
 
     /// Number of blocks, the last of which may have lanes that are no candidates (nothing is known
     /// there).
-    pub(super) fn blocks(&self) -> usize {
+    fn blocks(&self) -> usize {
         self.len.div_ceil(LANES)
     }
 
-    /// Values of the blocks from `tile`·64 on.
+    /// Number of tiles.
+    pub(super) fn tiles(&self) -> usize {
+        self.blocks().div_ceil(TILE)
+    }
+
+    /// The blocks of a tile.
+    pub(super) fn blocks_of(&self, tile: usize) -> Range<usize> {
+        tile * TILE..self.blocks().min((tile + 1) * TILE)
+    }
+
+    /// Values of a tile's blocks.
     #[inline(always)]
     pub(super) fn tile(&self, tile: usize) -> Tile<'_> {
         let stride = self.weights.len() * self.channels;
-        let width = TILE.min(self.blocks() - tile * TILE);
+        let width = self.blocks_of(tile).len();
         Tile {
             rows: &self.rows[tile * TILE * stride..][..width * stride],
             width,

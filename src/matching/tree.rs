@@ -413,6 +413,7 @@ fn projected(components: &[f32], block: &[Row], limit: f32) -> Option<Row> {
 }
 
 #[cfg(test)]
+#[expect(clippy::cast_possible_truncation, reason = "test data is small")]
 mod tests {
     use proptest::prelude::*;
 
@@ -466,7 +467,7 @@ mod tests {
             let scaled = |rows: Vec<f32>| rows.into_iter().map(|v| v * scale).collect::<Vec<_>>();
             let rows = scaled(waves(count, dimensions, noise, seed));
             let tree = Tree::new(&rows, dimensions, &TreeParams { components });
-            let accept = |i: u32| i % modulus == 0;
+            let accept = |i: u32| i.is_multiple_of(modulus);
             let queries = scaled(waves(3, dimensions, noise, seed ^ 1));
             // Also some of the rows themselves.
             for query in queries.chunks(dimensions).chain(rows.chunks(dimensions).take(3)) {

@@ -182,6 +182,30 @@ proptest! {
     }
 
     #[test]
+    fn queries_do_not_mind_each_other(
+        shape in Shape::any(),
+        count in 0..150usize,
+        tolerance in 0.0..2.0f32,
+        parallel in any::<bool>(),
+    ) {
+        let mut case = shape.draw();
+        let mut rng = Rng::new(shape.seed, Stage::Synth, 1);
+        let asked: Vec<Descriptor> = (0..count)
+            .map(|_| shape.descriptor(&mut rng, shape.known))
+            .collect();
+        let queries: Vec<Query<'_>> = (asked.iter())
+            .map(|descriptor| Query { descriptor, likely: &[] })
+            .collect();
+        let search = Search { tolerance, parallel, ..Search::default() };
+        let found = best_matches_of_all(&case.table(), &queries, &search);
+        prop_assert_eq!(found.len(), count);
+        for (found, query) in found.into_iter().zip(&asked).step_by(17) {
+            case.query.clone_from(query);
+            prop_assert_eq!(found, case.best_matches(tolerance, f32::INFINITY));
+        }
+    }
+
+    #[test]
     fn nearest_are_the_first_of_all_sorted(shape in Shape::any(), k in 0..20usize) {
         let case = shape.draw();
         let mut expected = case.found();
