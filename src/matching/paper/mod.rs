@@ -4,6 +4,7 @@
 //! # Reference
 //! [Breckon & Fisher 2005](crate::bibliography#breckon--fisher-2005), §3.
 
+mod cells;
 mod point_triangle;
 mod query;
 mod samples;

@@ -8,6 +8,7 @@ use crate::neighborhood::{Frame, local_frames};
 use crate::sampling::Subdivision;
 
 use super::Match;
+use super::cells::ThickTriangle;
 use super::point_triangle::PreparedTriangle;
 use super::search::turned;
 use super::site_grid::SiteGrid;
@@ -95,7 +96,7 @@ impl Samples {
         let range = (heights.iter()).fold(none, |[low, high], h| [low.min(*h), high.max(*h)]);
         Self {
             base: *base,
-            grid: SiteGrid::new(feet, spacing, &foot_boxes(surface, spacing)),
+            grid: SiteGrid::new(feet, spacing, &foot_triangles(surface, spacing)),
             sites,
             partners,
             triangles: corners.iter().map(|t| PreparedTriangle::new(*t)).collect(),
@@ -233,15 +234,13 @@ fn typical_edge(surface: &Subdivision) -> f64 {
     (2.0 * area / count as f64).sqrt()
 }
 
-/// Boxes around the piece of base surface under each triangle.
-fn foot_boxes(surface: &Subdivision, spacing: f64) -> Vec<[Point3<f64>; 2]> {
-    let relief = &surface.relief;
+/// The triangles between the feet, so thick that the piece of base surface under each is in it.
+fn foot_triangles(surface: &Subdivision, spacing: f64) -> Vec<ThickTriangle> {
     (surface.mesh.triangles.iter())
-        .map(|t| {
-            let [a, b, c] = t.map(|v| relief.feet[v as usize]);
+        .map(|t| ThickTriangle {
+            corners: t.map(|v| surface.relief.feet[v as usize]),
             // The base bulges over the chords between feet, and rounding needs a little, too.
-            let margin = Vector3::repeat(bulge(surface, t) + 1e-3 * spacing);
-            [a.inf(&b).inf(&c) - margin, a.sup(&b).sup(&c) + margin]
+            margin: bulge(surface, t) + 1e-3 * spacing,
         })
         .collect()
 }
