@@ -1,10 +1,20 @@
-//! The cells of a cubic lattice that are near a surface, numbered, by hashing.
+//! The cells of a cubic lattice that are near a surface, numbered: bricks of cells by hashing, so that
+//! cells near each other are near each other in memory, too.
 
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-/// Bits per axis of a cell's key.
-const KEY_BITS: u32 = 21;
+/// Bits per axis of a cell's coordinates.
+const AXIS_BITS: u32 = 21;
+
+/// Bits per axis of a cell's place in its brick.
+const BRICK_BITS: u32 = 2;
+
+/// Cells in a brick.
+const BRICK: usize = 1 << (3 * BRICK_BITS);
+
+/// Label of a cell that there is not.
+const NO_CELL: u32 = u32::MAX;
 
 /// A triangle, and how far around it (along each axis) belongs to it.
 #[derive(Debug, Clone, Copy)]
@@ -19,9 +29,11 @@ pub(super) struct Cells {
     origin: Point3<f64>,
     cell: f64,
     inverse_cell: f64,
-    /// Key of the cell + 1 (0 where free) and its number; open addressing by the key.
+    /// Key of the brick + 1 (0 where free) and its number; open addressing by the key.
     slots: Vec<(u64, u32)>,
-    /// By number.
+    /// By brick, number or label of each of its cells.
+    bricks: Vec<[u32; BRICK]>,
+    /// Keys of the cells, by number: first the brick's, then the place in it.
     keys: Vec<u64>,
 }
 
@@ -35,13 +47,14 @@ impl Cells {
         let none = [f64::INFINITY, f64::NEG_INFINITY].map(|x| Point3::from([x; 3]));
         let [low, high] = (triangles.iter().map(ThickTriangle::bounds))
             .fold(none, |[low, high], b| [low.inf(&b[0]), high.sup(&b[1])]);
-        let most_cells = f64::from(1u32 << KEY_BITS) - 2.0;
+        let most_cells = f64::from(1u32 << AXIS_BITS) - 2.0;
         let cell = cell.max((high - low).amax() / most_cells);
         let mut cells = Self {
             origin: low,
             cell,
             inverse_cell: 1.0 / cell,
             slots: Vec::new(),
+            bricks: Vec::new(),
             keys: Vec::new(),
         };
         let mut keys = Vec::new();
@@ -77,17 +90,34 @@ impl Cells {
     }
 
     fn insert(&mut self, keys: Vec<u64>) {
-        let mask = (2 * keys.len()).next_power_of_two() - 1;
+        let mut numbers = 0u32..NO_CELL;
+        for same in keys.chunk_by(|a, b| brick_of(*a) == brick_of(*b)) {
+            let mut brick = [NO_CELL; BRICK];
+            for key in same {
+                brick[place_in_brick(*key)] = numbers.next().expect("fewer than 2^32 - 1 cells");
+            }
+            self.bricks.push(brick);
+        }
+        let mask = (2 * self.bricks.len()).next_power_of_two() - 1;
         self.slots = vec![(0, 0); mask + 1];
-        for (number, key) in keys.iter().enumerate() {
-            let mut slot = hash(*key) & mask;
+        let bricks = keys.chunk_by(|a, b| brick_of(*a) == brick_of(*b));
+        for (brick, number) in bricks.map(|same| brick_of(same[0])).zip(0u32..) {
+            let mut slot = hash(brick) & mask;
             while self.slots[slot].0 != 0 {
                 slot = (slot + 1) & mask;
             }
-            let number = u32::try_from(number).expect("fewer than 2^32 cells");
-            self.slots[slot] = (key + 1, number);
+            self.slots[slot] = (brick + 1, number);
         }
         self.keys = keys;
+    }
+
+    /// Has [`find`](Self::find) give something else in place of each number.
+    pub(super) fn relabel(&mut self, label: impl Fn(usize) -> u32) {
+        for cell in self.bricks.iter_mut().flatten() {
+            if *cell != NO_CELL {
+                *cell = label(*cell as usize);
+            }
+        }
     }
 
     /// How many there are.
@@ -102,9 +132,8 @@ impl Cells {
 
     /// Center of the cell with the given number.
     pub(super) fn center(&self, number: usize) -> Point3<f64> {
-        let mask = (1u64 << KEY_BITS) - 1;
-        let coordinate = |i: u32| ((self.keys[number] >> (i * KEY_BITS)) & mask) as f64 + 0.5;
-        self.origin + Vector3::new(coordinate(0), coordinate(1), coordinate(2)) * self.cell
+        let middle = coordinates_of(self.keys[number]).map(|n| n as f64 + 0.5);
+        self.origin + Vector3::from(middle) * self.cell
     }
 
     #[expect(
@@ -117,22 +146,26 @@ impl Cells {
         [0, 1, 2].map(|i| ((p[i] - self.origin[i]) * self.inverse_cell) as i64 as u64)
     }
 
-    /// Number of the cell that `p` is in; `None` far from the surface.
+    /// Number of the cell that `p` is in, or what it was relabelled to; `None` far from the surface.
     #[inline]
-    pub(super) fn find(&self, p: &Point3<f64>) -> Option<usize> {
+    pub(super) fn find(&self, p: &Point3<f64>) -> Option<u32> {
         if p.x < self.origin.x || p.y < self.origin.y || p.z < self.origin.z {
             return None;
         }
         let cell = self.coordinates(p);
-        if cell[0] | cell[1] | cell[2] >= 1 << KEY_BITS {
+        if cell[0] | cell[1] | cell[2] >= 1 << AXIS_BITS {
             return None;
         }
-        let wanted = key(cell) + 1;
+        let key = key(cell);
+        let wanted = brick_of(key) + 1;
         let mask = self.slots.len().checked_sub(1)?;
         let mut at = hash(wanted - 1) & mask;
         loop {
             match self.slots[at] {
-                (key, number) if key == wanted => return Some(number as usize),
+                (brick, number) if brick == wanted => {
+                    let label = self.bricks[number as usize][place_in_brick(key)];
+                    return (label != NO_CELL).then_some(label);
+                }
                 (0, _) => return None,
                 _ => at = (at + 1) & mask,
             }
@@ -167,7 +200,27 @@ impl ThickTriangle {
 }
 
 fn key([x, y, z]: [u64; 3]) -> u64 {
-    x | (y << KEY_BITS) | (z << (2 * KEY_BITS))
+    let mask = (1 << BRICK_BITS) - 1;
+    let join = |[x, y, z]: [u64; 3], bits: u32| x | (y << bits) | (z << (2 * bits));
+    let brick = join([x, y, z].map(|n| n >> BRICK_BITS), AXIS_BITS - BRICK_BITS);
+    (brick << (3 * BRICK_BITS)) | join([x, y, z].map(|n| n & mask), BRICK_BITS)
+}
+
+fn coordinates_of(key: u64) -> [u64; 3] {
+    let part = |joined: u64, bits: u32, axis: u32| (joined >> (axis * bits)) & ((1 << bits) - 1);
+    [0, 1, 2].map(|axis| {
+        let brick = part(brick_of(key), AXIS_BITS - BRICK_BITS, axis);
+        (brick << BRICK_BITS) | part(key, BRICK_BITS, axis)
+    })
+}
+
+fn brick_of(key: u64) -> u64 {
+    key >> (3 * BRICK_BITS)
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "only the last bits count")]
+fn place_in_brick(key: u64) -> usize {
+    key as usize % BRICK
 }
 
 /// Fibonacci hashing (Knuth, *The Art of Computer Programming* 3, §6.4).
@@ -210,7 +263,9 @@ mod tests {
             corners,
             margin: 1e-3,
         };
-        // Its plane crosses about three cells over each of the 20 000 squares under it.
-        assert!(Cells::new(&[triangle], 1.0).len() < 80_000);
+        // Over each of the 20 000 squares under it, it rises by two cells and so reaches four at
+        // most; some more along the diagonal side. The bounding box has eight million.
+        let count = Cells::new(&[triangle], 1.0).len();
+        assert!(count < 4 * 20_500, "{count}");
     }
 }

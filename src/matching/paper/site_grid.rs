@@ -14,11 +14,10 @@ const CELL_PER_SPACING: f64 = 0.7;
 /// Sites by cell.
 #[derive(Debug)]
 pub(super) struct SiteGrid {
+    /// Labelled with the start of each cell's list.
     cells: Cells,
-    /// By cell, the first of its sites; the end of the list comes last.
-    starts: Vec<u32>,
-    /// Sites of all cells, end to end.
-    sites: Vec<u32>,
+    /// Lists of the sites of all cells, end to end, each after its length.
+    lists: Vec<u32>,
     points: Vec<Point3<f64>>,
 }
 
@@ -29,16 +28,18 @@ impl SiteGrid {
     /// # Panics
     /// If all cells together list 2³² sites or more.
     pub(super) fn new(points: Vec<Point3<f64>>, spacing: f64, triangles: &[ThickTriangle]) -> Self {
-        let cells = Cells::new(triangles, spacing * CELL_PER_SPACING);
-        let (mut starts, mut sites) = (vec![0], Vec::new());
+        let mut cells = Cells::new(triangles, spacing * CELL_PER_SPACING);
+        let index = |n: usize| u32::try_from(n).expect("fewer than 2^32 sites in all cells");
+        let (mut starts, mut lists) = (Vec::new(), Vec::new());
         for row in nearest_somewhere(&points, &cells, 0.0) {
-            sites.extend_from_slice(&row);
-            starts.push(u32::try_from(sites.len()).expect("fewer than 2^32 sites in all cells"));
+            starts.push(index(lists.len()));
+            lists.push(index(row.len()));
+            lists.extend_from_slice(&row);
         }
+        cells.relabel(|cell| starts[cell]);
         Self {
             cells,
-            starts,
-            sites,
+            lists,
             points,
         }
     }
@@ -56,20 +57,30 @@ impl SiteGrid {
     /// The site nearest to `p`, ties to the lower index; `None` far from the triangles.
     #[inline]
     pub(super) fn nearest(&self, p: &Point3<f64>) -> Option<u32> {
-        let cell = self.cells.find(p)?;
-        let row = &self.sites[self.starts[cell] as usize..self.starts[cell + 1] as usize];
-        let (first, others) = row.split_first()?;
-        if others.is_empty() {
-            return Some(*first);
-        }
-        let mut best = (f64::INFINITY, *first);
-        for site in row {
-            let distance_sq = (self.points[*site as usize] - p).norm_squared();
-            if distance_sq < best.0 {
-                best = (distance_sq, *site);
+        Some(self.nearest_in(self.list(p)?, p))
+    }
+
+    /// Where the list of the sites that can be nearest to `p` starts; `None` far from the triangles.
+    #[inline]
+    pub(super) fn list(&self, p: &Point3<f64>) -> Option<u32> {
+        self.cells.find(p)
+    }
+
+    /// The site nearest to `p` in its list, ties to the lower index.
+    #[inline]
+    pub(super) fn nearest_in(&self, list: u32, p: &Point3<f64>) -> u32 {
+        let start = list as usize + 1;
+        let sites = &self.lists[start..start + self.lists[start - 1] as usize];
+        let mut best = (f64::INFINITY, sites[0]);
+        if sites.len() > 1 {
+            for site in sites {
+                let distance_sq = (self.points[*site as usize] - p).norm_squared();
+                if distance_sq < best.0 {
+                    best = (distance_sq, *site);
+                }
             }
         }
-        Some(best.1)
+        best.1
     }
 }
 
