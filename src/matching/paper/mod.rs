@@ -5,6 +5,8 @@
 //! [Breckon & Fisher 2005](crate::bibliography#breckon--fisher-2005), §3.
 
 mod cells;
+mod envelope;
+mod lower_bounds;
 mod point_triangle;
 mod query;
 mod samples;

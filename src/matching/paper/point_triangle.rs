@@ -29,6 +29,16 @@ impl PreparedTriangle {
         }
     }
 
+    /// Its corners, but for rounding.
+    pub(super) fn corners(&self) -> [Point3<f64>; 3] {
+        [self.a, self.a + self.ab, self.a + self.ac]
+    }
+
+    /// Unit normal; zero for a degenerate triangle.
+    pub(super) fn normal(&self) -> &Vector3<f64> {
+        &self.normal
+    }
+
     /// Squared distance of `p` to the triangle's plane, which the triangle cannot be nearer than; a
     /// little less, for rounding.
     #[inline]

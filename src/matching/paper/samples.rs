@@ -9,6 +9,7 @@ use crate::sampling::Subdivision;
 
 use super::Match;
 use super::cells::ThickTriangle;
+use super::lower_bounds::LowerBounds;
 use super::point_triangle::PreparedTriangle;
 use super::search::turned;
 use super::site_grid::SiteGrid;
@@ -58,6 +59,7 @@ pub struct Samples {
     scanned_vertices: Vec<u32>,
     pub(super) height_range: f64,
     pub(super) grid: SiteGrid,
+    pub(super) lower_bounds: LowerBounds,
 }
 
 impl Samples {
@@ -90,13 +92,15 @@ impl Samples {
             fans.extend_from_slice(row);
         }
         let spacing = typical_edge(surface);
+        let foot_triangles = foot_triangles(surface, spacing);
         let feet = sites.iter().map(|s| s.foot).collect();
         let heights: Vec<f64> = order.iter().map(|v| relief.heights[*v as usize]).collect();
         let none = [f64::INFINITY, f64::NEG_INFINITY];
         let range = (heights.iter()).fold(none, |[low, high], h| [low.min(*h), high.max(*h)]);
         Self {
             base: *base,
-            grid: SiteGrid::new(feet, spacing, &foot_triangles(surface, spacing)),
+            grid: SiteGrid::new(feet, spacing, &foot_triangles),
+            lower_bounds: LowerBounds::new(foot_triangles, spacing),
             sites,
             partners,
             triangles: corners.iter().map(|t| PreparedTriangle::new(*t)).collect(),
@@ -146,6 +150,21 @@ impl Samples {
     pub(super) fn fan(&self, sample: u32) -> impl Iterator<Item = &PreparedTriangle> {
         let (start, len) = self.partners[sample as usize].fan;
         (self.fans[start as usize..][..len as usize].iter()).map(|f| &self.triangles[*f as usize])
+    }
+
+    /// The triangles around those of the samples that are surrounded, each once.
+    pub(super) fn triangles_around(&self, samples: &[u32]) -> Vec<&PreparedTriangle> {
+        let mut around: Vec<u32> = (samples.iter())
+            .map(|s| &self.partners[*s as usize])
+            .filter(|partner| partner.slab.is_some())
+            .flat_map(|Partner { fan, .. }| &self.fans[fan.0 as usize..][..fan.1 as usize])
+            .copied()
+            .collect();
+        around.sort_unstable();
+        around.dedup();
+        (around.iter())
+            .map(|f| &self.triangles[*f as usize])
+            .collect()
     }
 
     /// The sample that stands to `found` as a target stands to its neighbor copied from there:

@@ -196,9 +196,59 @@ fn dropping_candidates_early_changes_nothing() {
             let likely: Vec<SampleId> = (0..10)
                 .map(|_| SampleId(u32::try_from(rng.index(samples.len())).unwrap()))
                 .collect();
-            assert_eq!(best_matches(&samples, &query, &search, &[]), expected);
-            assert_eq!(best_matches(&samples, &query, &search, &likely), expected);
+            // The first searches do without bounds.
+            samples.lower_bounds.be_impatient();
+            for _ in 0..6 {
+                assert_eq!(best_matches(&samples, &query, &search, &[]), expected);
+                assert_eq!(best_matches(&samples, &query, &search, &likely), expected);
+            }
         }
+    }
+}
+
+#[test]
+fn bounds_are_never_above_the_cost_and_say_something() {
+    let search = Search {
+        rotations: 1,
+        mu: 0.0,
+        tolerance: 0.0,
+    };
+    for kind in [Kind::Waves, Kind::GolfBall, Kind::Bark] {
+        let scene = scene(kind);
+        let samples = Samples::new(&scene.base, &scene.surface);
+        let mut rng = Rng::new(9, Stage::Fit, 0);
+        samples.lower_bounds.be_impatient();
+        let (mut bounds, mut costs) = (0.0, 0.0);
+        for _ in 0..20 {
+            let center = u32::try_from(rng.index(scene.mesh.positions.len())).unwrap();
+            for neighbor in query(&scene, center, 3, &mut rng).neighbors() {
+                let factor = 1.0 / (neighbor.weight * samples.height_range.powi(2));
+                let probes = [0, 1].map(|_| {
+                    (samples.lower_bounds).probes(&samples, std::slice::from_ref(neighbor), factor)
+                });
+                let [_, probes] = probes;
+                let Some(probe) = &probes[0] else { continue };
+                let alone = Query::new(vec![*neighbor]);
+                for _ in 0..50 {
+                    let sample = rng.index(samples.len());
+                    let id = SampleId(u32::try_from(sample).unwrap());
+                    let bound = f64::from(probe.bound(sample));
+                    match match_cost(&samples, &alone, &search, id, 0) {
+                        Some(cost) => {
+                            assert!(
+                                bound <= cost * (1.0 + 1e-5) + 1e-30,
+                                "{kind}: {bound} {cost}"
+                            );
+                            bounds += bound.min(1.0);
+                            costs += cost.min(1.0);
+                        }
+                        None => assert!(bound >= 0.0),
+                    }
+                }
+            }
+        }
+        // On scenes as coarse as these they are far below, but must say something.
+        assert!(bounds > 0.03 * costs, "{kind}: {bounds} {costs}");
     }
 }
 
