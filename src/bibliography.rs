@@ -9,3 +9,31 @@
 //! # Efros & Leung 1999
 //! A. A. Efros, T. K. Leung: *Texture synthesis by non-parametric sampling.* International
 //! Conference on Computer Vision (ICCV), 1033–1038, 1999.
+//!
+//! # Wei & Levoy 2001
+//! L.-Y. Wei, M. Levoy: *Texture synthesis over arbitrary manifold surfaces.* Proceedings of ACM
+//! SIGGRAPH, 355–360, 2001.
+//!
+//! # MeshMatch 2012
+//! X. Chen, T. Funkhouser, D. B. Goldman, E. Shechtman: *Non-parametric texture transfer using
+//! MeshMatch.* Adobe Technical Report 2012-2, 2012.
+//!
+//! # PatchMatch 2009
+//! C. Barnes, E. Shechtman, A. Finkelstein, D. B. Goldman: *PatchMatch: a randomized correspondence
+//! algorithm for structural image editing.* ACM Transactions on Graphics 28(3), 24, 2009.
+//!
+//! # Image analogies 2001
+//! A. Hertzmann, C. E. Jacobs, N. Oliver, B. Curless, D. H. Salesin: *Image analogies.* Proceedings
+//! of ACM SIGGRAPH, 327–340, 2001.
+//!
+//! # Ashikhmin 2001
+//! M. Ashikhmin: *Synthesizing natural textures.* Proceedings of the ACM Symposium on Interactive 3D
+//! Graphics, 217–226, 2001.
+//!
+//! # Tong et al. 2002
+//! X. Tong, J. Zhang, L. Liu, X. Wang, B. Guo, H.-Y. Shum: *Synthesis of bidirectional texture
+//! functions on arbitrary surfaces.* ACM Transactions on Graphics 21(3), 665–672, 2002.
+//!
+//! # Lucas & Kanade 1981
+//! B. D. Lucas, T. Kanade: *An iterative image registration technique with an application to stereo
+//! vision.* International Joint Conference on Artificial Intelligence (IJCAI), 674–679, 1981.

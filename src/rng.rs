@@ -16,6 +16,8 @@ pub enum Stage {
     Completion = 2,
     /// Random subsets for robust starting values of a fit.
     Fit = 3,
+    /// Picks and random places in the search for one vertex's match.
+    Matching = 4,
 }
 
 /// A stream of random numbers.
@@ -33,6 +35,14 @@ impl Rng {
     pub fn new(seed: u32, stage: Stage, item: u32) -> Self {
         Self {
             generator: Mt::new_with_key([seed, stage as u32, item]),
+        }
+    }
+
+    /// The stream of one of many items within an item of a stage, such as one target of a patch.
+    #[must_use]
+    pub fn of_part(seed: u32, stage: Stage, item: u32, part: u32) -> Self {
+        Self {
+            generator: Mt::new_with_key([seed, stage as u32, item, part]),
         }
     }
 
@@ -63,6 +73,11 @@ impl Rng {
                 return high;
             }
         }
+    }
+
+    /// One of the items, each as likely as another; `None` of none.
+    pub fn pick<T: Copy>(&mut self, items: &[T]) -> Option<T> {
+        (!items.is_empty()).then(|| items[self.index(items.len())])
     }
 
     /// Standard normal deviate (Box–Muller; the second of each pair is thrown away).

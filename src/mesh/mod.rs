@@ -9,6 +9,7 @@ mod boundary;
 mod check;
 mod geometry;
 mod nearest;
+mod spatial;
 
 pub use adjacency::{Adjacency, Csr};
 pub use boundary::{BoundaryLoop, LoopKind, boundary_loops, vector_area};
@@ -18,6 +19,7 @@ pub use geometry::{
     vertex_areas, vertex_normals,
 };
 pub use nearest::{Nearest, PointTree};
+pub use spatial::spatial_order;
 
 use nalgebra::{Point3, Vector3};
 

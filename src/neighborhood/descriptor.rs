@@ -42,16 +42,6 @@ impl Mask {
         self.words.fill(0);
     }
 
-    /// Marks all from `len` on as unknown.
-    pub fn truncate(&mut self, len: usize) {
-        for (i, word) in self.words.iter_mut().enumerate() {
-            let kept = len.saturating_sub(i * WORD);
-            if kept < WORD {
-                *word &= (1 << kept) - 1;
-            }
-        }
-    }
-
     /// Number of known offsets.
     #[must_use]
     pub fn count(&self) -> usize {
@@ -112,7 +102,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bits_come_back_in_order_and_can_be_cut_off() {
+    fn bits_come_back_in_order() {
         let mut mask = Mask::new(200);
         let bits = [0, 3, 63, 64, 127, 128, 199];
         for j in bits {
@@ -121,11 +111,7 @@ mod tests {
         assert_eq!(mask.iter().collect::<Vec<_>>(), bits);
         assert_eq!(mask.count(), bits.len());
         assert!(mask.get(127) && !mask.get(126));
-        mask.truncate(128);
-        assert_eq!(mask.iter().collect::<Vec<_>>(), bits[..5]);
-        mask.truncate(64);
-        assert_eq!(mask.iter().collect::<Vec<_>>(), bits[..3]);
-        mask.truncate(0);
+        mask.clear();
         assert_eq!(mask.count(), 0);
     }
 }

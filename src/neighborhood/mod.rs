@@ -3,8 +3,14 @@
 
 mod descriptor;
 mod frame;
+mod gather;
+mod stencil;
+mod surface;
 mod window;
 
 pub use descriptor::{Descriptor, Mask};
 pub use frame::{Frame, local_frames};
+pub use gather::{Among, Channels, Reading, View, Walker};
+pub use stencil::Stencil;
+pub use surface::{Place, Surface};
 pub use window::{Window, gaussian_weight, window_sigma};

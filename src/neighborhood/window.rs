@@ -9,6 +9,9 @@ pub struct Window {
     seen: Vec<u32>,
     call: u32,
     found: Vec<u32>,
+    /// Number of the last union that the vertex is in.
+    united: Vec<u32>,
+    union: u32,
 }
 
 impl Window {
@@ -19,7 +22,32 @@ impl Window {
             seen: vec![0; vertices],
             call: 0,
             found: Vec::new(),
+            united: vec![0; vertices],
+            union: 0,
         }
+    }
+
+    /// Begins a union of windows with none.
+    pub fn begin_union(&mut self) {
+        if self.union == u32::MAX {
+            self.united.fill(0);
+            self.union = 0;
+        }
+        self.union += 1;
+    }
+
+    /// Adds the window around `center`, and `center`, to the union.
+    pub fn unite(&mut self, neighbors: &Csr, center: u32, radius: usize) {
+        self.around(neighbors, center, radius);
+        for v in &self.found {
+            self.united[*v as usize] = self.union;
+        }
+    }
+
+    /// Whether a vertex is in a window of the union.
+    #[must_use]
+    pub fn holds(&self, v: u32) -> bool {
+        self.united[v as usize] == self.union
     }
 
     /// The vertices within `radius` edges of `center` (without it), nearest ring first.
@@ -87,6 +115,13 @@ mod tests {
                 .filter(|v| *v != 9)
                 .collect();
             assert_eq!(found, expected);
+            window.begin_union();
+            assert!(!window.holds(9));
+            window.unite(&neighbors, 9, radius);
+            window.unite(&neighbors, 19, 0);
+            for v in 0..20 {
+                assert_eq!(window.holds(v), v == 9 || v == 19 || expected.contains(&v));
+            }
         }
     }
 
