@@ -12,8 +12,8 @@
 //! | [`base`] | mesh → base surface, [`base::FitReport`] | [`bibliography#breckon--fisher-2005`] §3 |
 //! | [`relief`] | mesh + base → heights, corrected normals; and heights + base → points | §3, Fig. 5 |
 //! | [`sampling`] | hole + base → target vertices, stitched triangulation; 1-to-4 subdivision | §4 |
-//! | [`neighborhood`] | vertex → neighbors within a window, in its tangent frame, with weights | §3 |
-//! | [`matching`] | neighborhood + samples → best matches over all rotations | §3 |
+//! | [`neighborhood`] | vertex → neighbors within a window; place → values on a stencil in its tangent frame | §3; [`bibliography#wei--levoy-2001`] §3.3 |
+//! | [`matching`] | neighborhood + samples → best matches over all rotations | §3; [`bibliography#patchmatch-2009`] |
 //! | [`completion`] | scan → completed scan, grown from the front inwards | Appendix A |
 //! | [`stats`] | completed scan → original against completed part in figures | Table 1, Fig. 13 |
 //! | [`synth`] | parameters → synthetic scans with known truth | Fig. 8–12 |

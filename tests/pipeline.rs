@@ -10,7 +10,7 @@ use common::{assert_only_appended, cut, holed, loops, synthetic, to_scan, turned
 use nalgebra::{Point3, Vector3};
 use relievo::base::{BaseChoice, BaseKind, BaseSurface, FitParams};
 use relievo::completion::{
-    COMPLETED, CompleteParams, Completion, CompletionError, HoleChoice, SOURCE, complete,
+    COMPLETED, CompleteParams, Completion, CompletionError, HoleChoice, Method, SOURCE, complete,
     remembered_base,
 };
 use relievo::mesh::{Adjacency, LoopKind, TriMesh, check, euler_characteristic, triangle_area};
@@ -187,9 +187,17 @@ fn holes_in_every_kind_of_surface_are_closed() {
 #[test]
 fn the_mean_integral_of_a_golf_ball_is_met() {
     let scan = synthetic(Kind::GolfBall, Part::hole(0.05));
-    let (completion, _) = completed(&scan, &CompleteParams::default());
-    let comparison = stats::compare(&completion.scan).unwrap();
-    let difference = comparison.mean_integral_difference_percent;
+    // Some fifty new vertices are few dimples: single completions scatter by as much as their mean.
+    let differences = (0..4u32).map(|seed| {
+        let params = CompleteParams {
+            seed,
+            ..CompleteParams::default()
+        };
+        let (completion, _) = completed(&scan, &params);
+        let comparison = stats::compare(&completion.scan).unwrap();
+        comparison.mean_integral_difference_percent
+    });
+    let difference = differences.sum::<f64>() / 4.0;
     assert!(difference.abs() < 20.0, "{difference} %");
 }
 
@@ -452,6 +460,14 @@ fn engravings_in_a_flat_plate_are_relief() {
     let (completion, mesh) = completed(&engraved_plate(), &quick());
     assert_eq!(holes_in(&mesh), 0);
     let counts = completion.report.counts;
+    assert_eq!(counts.samples, counts.original_vertices);
+    let by_paper = CompleteParams {
+        method: Method::Paper,
+        ..quick()
+    };
+    let (completion, mesh) = completed(&engraved_plate(), &by_paper);
+    assert_eq!(holes_in(&mesh), 0);
+    let counts = completion.report.counts;
     // Every vertex and every edge's middle.
     assert!(
         counts.samples * 10 > 38 * counts.original_vertices,
@@ -470,39 +486,129 @@ fn relief_that_is_zero_on_half_of_a_cone_is_no_obstacle() {
 #[test]
 fn options_that_steer_the_search_give_whole_results() {
     let scan = holed(Kind::Bricks);
-    let plain = as_ply(&completed(&scan, &quick()).0.scan);
-    let options = [
-        CompleteParams {
-            bootstrap: true,
-            ..quick()
-        },
-        CompleteParams {
-            mu: Some(0.0),
-            ..quick()
-        },
-        CompleteParams {
-            mu: Some(1.0),
-            ..quick()
-        },
-        CompleteParams {
-            tolerance: 0.0,
-            ..quick()
-        },
-        CompleteParams {
-            error_threshold: 1e-6,
-            ..quick()
-        },
-    ];
-    for params in options {
-        let (completion, mesh) = completed(&scan, &params);
-        assert_eq!(holes_in(&mesh), 0, "{params:?}");
-        assert_colors_in_range(&scan, &completion);
-        let low_threshold = params.error_threshold < 0.1;
-        assert!(
-            low_threshold || as_ply(&completion.scan) != plain,
-            "no effect: {params:?}"
-        );
+    for method in [Method::Paper, Method::Exhaustive, Method::Coherent] {
+        let quick = || CompleteParams { method, ..quick() };
+        let plain = as_ply(&completed(&scan, &quick()).0.scan);
+        let options = [
+            CompleteParams {
+                bootstrap: true,
+                ..quick()
+            },
+            CompleteParams {
+                mu: Some(0.0),
+                ..quick()
+            },
+            CompleteParams {
+                mu: Some(1.0),
+                ..quick()
+            },
+            CompleteParams {
+                tolerance: 0.0,
+                ..quick()
+            },
+            CompleteParams {
+                error_threshold: 1e-6,
+                ..quick()
+            },
+        ];
+        for params in options {
+            let (completion, mesh) = completed(&scan, &params);
+            assert_eq!(holes_in(&mesh), 0, "{params:?}");
+            assert_colors_in_range(&scan, &completion);
+            let low_threshold = params.error_threshold < 0.1;
+            // After least squares hardly any two matches cost the same to a tenth, and what continues a
+            // source that is no longer than a few edges seldom leads to new samples.
+            let seldom = method == Method::Coherent && (params.tolerance < 0.1 || params.bootstrap);
+            assert!(
+                low_threshold || seldom || as_ply(&completion.scan) != plain,
+                "no effect: {params:?}"
+            );
+        }
     }
+}
+
+#[test]
+fn the_result_does_not_depend_on_the_number_of_threads() {
+    for kind in [Kind::GolfBall, Kind::Bricks] {
+        let scan = holed(kind);
+        for method in [Method::Exhaustive, Method::Coherent] {
+            let params = CompleteParams {
+                method,
+                audit: 0.2,
+                ..CompleteParams::default()
+            };
+            let bytes = |threads: usize| {
+                let pool = rayon::ThreadPoolBuilder::new()
+                    .num_threads(threads)
+                    .build()
+                    .unwrap();
+                let (completion, _) = pool.install(|| completed(&scan, &params));
+                (as_ply(&completion.scan), completion.report.searched)
+            };
+            let with_one = bytes(1);
+            assert!(with_one == bytes(2), "{kind} {method:?}");
+            assert!(with_one == bytes(8), "{kind} {method:?}");
+        }
+    }
+}
+
+#[test]
+fn coherent_matches_are_nearly_as_good_as_the_best_of_all() {
+    let (mut audited, mut as_good) = (0, 0.0);
+    for kind in [Kind::GolfBall, Kind::Noise, Kind::Bark, Kind::Bricks] {
+        let scan = holed(kind);
+        let plain = completed(&scan, &CompleteParams::default()).0;
+        let watched = CompleteParams {
+            audit: 1.0,
+            ..CompleteParams::default()
+        };
+        let completion = completed(&scan, &watched).0;
+        // To be watched changes nothing.
+        assert!(as_ply(&plain.scan) == as_ply(&completion.scan), "{kind}");
+        let searched = completion.report.searched;
+        let recall = searched.recall.unwrap();
+        assert!(
+            recall.continuing <= recall.coherent && recall.coherent <= 1.0,
+            "{kind}: {recall:?}"
+        );
+        let found = searched.continued + searched.similar + searched.global;
+        let new = completion.report.counts.completed_vertices;
+        assert_eq!((found, recall.audited), (new, new), "{kind}: {searched:?}");
+        audited += recall.audited;
+        as_good += recall.all * recall.audited as f64;
+    }
+    let recall = as_good / audited as f64;
+    assert!(recall > 0.85, "{recall} of {audited}");
+}
+
+#[test]
+fn completed_vertices_become_samples_of_coherent_search() {
+    let scan = synthetic(Kind::GolfBall, Part::view(Vector3::z()));
+    let params = CompleteParams {
+        bootstrap: true,
+        ..extending()
+    };
+    let report = completed(&scan, &params).0.report;
+    let counts = report.counts;
+    assert_eq!(
+        report.searched.sites_offered,
+        counts.original_vertices + counts.completed_vertices
+    );
+}
+
+#[test]
+fn tables_are_thinned_to_the_memory_and_too_little_is_said() {
+    let scan = holed(Kind::Noise);
+    let with = |memory: usize| CompleteParams {
+        memory,
+        ..CompleteParams::default()
+    };
+    let searched = completed(&scan, &with(400_000)).0.report.searched;
+    assert!(searched.sites < searched.sites_offered, "{searched:?}");
+    assert!(searched.table_bytes <= 400_000, "{searched:?}");
+    let report = complete(&scan, &with(1000), &mut |_| {}).unwrap().report;
+    assert!(report.filled.is_empty());
+    assert!(report.skipped[0].reason.contains("--memory"));
 }
 
 /// A torus: no kind of base fits it.

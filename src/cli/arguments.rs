@@ -60,6 +60,34 @@ pub(super) fn spacing(text: &str) -> Result<SpacingRule, String> {
     }
 }
 
+/// A number of bytes, with or without a unit: K, M, G (or kB, MB, GB) for powers of 1000, KiB, MiB, GiB
+/// for powers of 1024.
+pub(super) fn memory(text: &str) -> Result<usize, String> {
+    let expected = || "expected a size above 0, as in 500M, 2GiB or 800000000".to_owned();
+    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let unit = match text[digits.len()..].to_ascii_lowercase().as_str() {
+        "" | "b" => 1.0,
+        "k" | "kb" => 1e3,
+        "m" | "mb" => 1e6,
+        "g" | "gb" => 1e9,
+        "kib" => 1024.0,
+        "mib" => 1_048_576.0,
+        "gib" => 1_073_741_824.0,
+        _ => return Err(expected()),
+    };
+    let number: f64 = digits.trim().parse().map_err(|_| expected())?;
+    let bytes = number * unit;
+    if !(bytes >= 1.0 && bytes.is_finite()) {
+        return Err(expected());
+    }
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "positive; more than any memory saturates"
+    )]
+    Ok(bytes as usize)
+}
+
 pub(super) fn vector(text: &str) -> Result<Vector3<f64>, String> {
     let parts: Vec<f64> = text
         .split(',')
@@ -78,4 +106,26 @@ pub(super) fn kind(text: &str) -> Result<Kind, String> {
         other => other,
     };
     text.parse().map_err(|error| format!("{error}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_units_and_are_above_zero() {
+        for (text, bytes) in [
+            ("2GiB", 2 << 30),
+            ("500M", 500_000_000),
+            ("500 MB", 500_000_000),
+            ("1.5kib", 1536),
+            ("123", 123),
+            ("7b", 7),
+        ] {
+            assert_eq!(memory(text), Ok(bytes), "{text}");
+        }
+        for text in ["", "0", "-1", "inf", "nan", "GiB", "2 Gold", "1e400", "0.1"] {
+            assert!(memory(text).is_err(), "{text}");
+        }
+    }
 }

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use relievo::base::{BaseChoice, FitParams};
-use relievo::completion::{self, CompleteParams, CompletionError, CompletionReport, HoleChoice};
+use relievo::completion::{
+    self, CompleteParams, CompletionError, CompletionReport, HoleChoice, Method,
+};
 use relievo::sampling::SpacingRule;
 use relievo::scan::{self, OutputFile, WriteOptions};
 use relievo::stats;
@@ -35,8 +37,34 @@ pub(super) struct Arguments {
     #[arg(long)]
     extend: bool,
     /// How to find matches
-    #[arg(long, value_enum, default_value_t = Method::Paper)]
-    method: Method,
+    #[arg(long, value_enum, default_value_t = MethodName::Coherent)]
+    method: MethodName,
+    /// Coherent method: a place that continues a neighbor's source is taken unless another costs less
+    /// than 1/(1 + KAPPA) of it, and at once where it fits better than good matches do
+    #[arg(
+        long,
+        value_name = "KAPPA",
+        default_value_t = 0.3,
+        allow_negative_numbers = true
+    )]
+    coherence: f64,
+    /// Coherent method: number of places, evenly spread over the scan, that are looked at for every new
+    /// vertex
+    #[arg(long, value_name = "N", default_value_t = 8192)]
+    sites: usize,
+    /// Coherent method: share of the new vertices that are also searched for exhaustively, so that the
+    /// JSON can say how good the matches are; changes nothing else
+    #[arg(
+        long,
+        value_name = "SHARE",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    audit: f64,
+    /// Most memory that tables of neighborhoods may take, as in 500M or 2GiB; beyond it they hold fewer
+    /// places
+    #[arg(long, value_name = "SIZE", default_value = "2GiB", value_parser = arguments::memory)]
+    memory: usize,
     /// Radius of a neighborhood, in edges
     #[arg(long, value_name = "W", default_value_t = 5)]
     window: usize,
@@ -80,8 +108,13 @@ pub(super) struct Arguments {
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
-enum Method {
-    /// Breckon & Fisher 2005, step by step: every sample, every rotation
+enum MethodName {
+    /// What continues the source of a new vertex's neighbors, or the best of many places if that is
+    /// clearly better: fast, and keeps patches of the scan together
+    Coherent,
+    /// Every place at every rotation, by differences of height and colour
+    Exhaustive,
+    /// Breckon & Fisher 2005, step by step: every place at every rotation, by distances in space
     Paper,
 }
 
@@ -102,6 +135,15 @@ impl Arguments {
             mu: self.shape_weight,
             spacing: self.spacing,
             bootstrap: self.bootstrap,
+            method: match self.method {
+                MethodName::Coherent => Method::Coherent,
+                MethodName::Exhaustive => Method::Exhaustive,
+                MethodName::Paper => Method::Paper,
+            },
+            coherence: self.coherence,
+            sites: self.sites,
+            audit: self.audit,
+            memory: self.memory,
             seed,
         }
     }
@@ -111,7 +153,7 @@ pub(super) fn run(arguments: &Arguments, common: &Common) -> super::Result {
     let params = arguments.params(common.seed);
     let mut known = Map::new();
     known.insert("output".into(), json!(arguments.output));
-    known.insert("method".into(), json!("paper"));
+    known.insert("method".into(), json!(params.method));
     known.insert("seed".into(), json!(common.seed));
     known.insert("parameters".into(), json!(params));
     work(arguments, common, &params, &mut known).map_err(|failure| Failure {
@@ -209,6 +251,13 @@ fn tell(report: &CompletionReport, common: &Common) {
         counts.completed_vertices,
         counts.completed_faces,
     );
+    if report.searched.thinned_by_memory {
+        let _ = write!(
+            text,
+            "; the memory held {} of {} places to copy from",
+            report.searched.sites, report.searched.sites_offered
+        );
+    }
     if report.counts.rims_left > 0 {
         let _ = write!(
             text,

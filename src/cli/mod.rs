@@ -140,7 +140,8 @@ mod tests {
         let default = relievo::completion::CompleteParams::default();
         assert_eq!(params("relievo complete in.ply -o out.ply"), default);
         let all = params(
-            "relievo complete in.ply -o out.ply --base auto --holes interior --method paper \
+            "relievo complete in.ply -o out.ply --base auto --holes interior --method coherent \
+             --coherence 0.3 --sites 8192 --memory 2GiB --audit 0 \
              --window 5 --rotations 4 --tolerance 0.1 --error-threshold 0.3 --spacing nyquist",
         );
         assert_eq!(all, default);

@@ -1,11 +1,11 @@
 //! Appendix A: relief and colour grown over the targets, from the front inwards.
 
+use std::collections::VecDeque;
+
 use nalgebra::Point3;
 
-use crate::base::BaseSurface;
-use crate::matching::paper::{Match, Neighbor, Query, SampleId, Samples, Search, best_matches};
 use crate::mesh::Adjacency;
-use crate::neighborhood::{Frame, Window, gaussian_weight, local_frames, window_sigma};
+use crate::neighborhood::Window;
 use crate::relief::Relief;
 use crate::rng::Rng;
 
@@ -33,26 +33,53 @@ pub(super) struct Canvas {
     pub(super) first_target: usize,
 }
 
-/// Parameters of the growth.
+/// A target to be matched.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct GrowthParams {
+pub(super) struct Wanted {
+    /// Its number among the targets.
+    pub(super) target: usize,
+    /// Radius of its window, in edges.
     pub(super) window: usize,
-    pub(super) spacing: f64,
-    pub(super) error_threshold: f64,
-    pub(super) search: Search,
+}
+
+/// What a matcher found for a target.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Copied<S> {
+    pub(super) height: f64,
+    pub(super) color: Option<[f64; 3]>,
+    /// The scanned vertex that the copy goes back to.
+    pub(super) vertex: u32,
+    /// Normalised, in [0, 1].
+    pub(super) cost: f64,
+    /// Where the matcher found it.
+    pub(super) source: S,
+}
+
+/// Finds what to copy to targets.
+pub(super) trait Matcher {
+    /// A place to copy from.
+    type Source: Copy;
+
+    /// Whether targets that are not in each other's windows are handed over together.
+    const BATCHES: bool;
+
+    /// What to copy to each of the targets; `None` where no sample has what the target has.
+    fn find(&mut self, canvas: &Canvas, wanted: &[Wanted]) -> Vec<Option<Copied<Self::Source>>>;
+
+    /// Hears that a target was completed.
+    fn completed(&mut self, canvas: &Canvas, target: usize, copied: &Copied<Self::Source>);
+
+    /// Hears that a front is done.
+    fn front_ended(&mut self, canvas: &Canvas);
 }
 
 /// The growing completion.
 pub(super) struct Growth<'a> {
     canvas: &'a mut Canvas,
-    params: GrowthParams,
-    frames: Vec<Frame>,
+    window: usize,
     /// By target: radius of its window, which shrinks when it is skipped.
     windows: Vec<usize>,
-    /// By target: where it was copied from.
-    matches: Vec<Option<Match>>,
-    /// By target: the scanned vertex that the copy goes back to.
-    sources: Vec<u32>,
+    grown: Grown,
     threshold: f64,
     collector: Window,
 }
@@ -60,190 +87,197 @@ pub(super) struct Growth<'a> {
 /// What became of the targets.
 #[derive(Debug)]
 pub(super) struct Grown {
-    /// By target: where it was copied from; `None` where nothing matched.
-    pub(super) matches: Vec<Option<Match>>,
+    /// By target: cost of its match; `None` where nothing matched.
+    pub(super) costs: Vec<Option<f64>>,
     /// By target: the scanned vertex that it was copied from.
     pub(super) sources: Vec<u32>,
 }
 
-/// What happened to one vertex of the front.
-enum Outcome {
-    Accepted,
-    /// The best match is above the threshold.
-    TooCostly,
-    /// No sample has the neighbors that the target has.
-    NoMatch,
+impl Grown {
+    pub(super) fn new(targets: usize) -> Self {
+        Self {
+            costs: vec![None; targets],
+            sources: vec![0; targets],
+        }
+    }
+}
+
+/// What became of a front.
+#[derive(Debug, Default)]
+struct Progress {
+    accepted: usize,
+    /// Whether a best match was above the threshold.
+    too_costly: bool,
+    /// Whether a window shrank for lack of any match.
+    shrunk: bool,
 }
 
 impl<'a> Growth<'a> {
-    pub(super) fn new(canvas: &'a mut Canvas, base: &BaseSurface, params: GrowthParams) -> Self {
+    pub(super) fn new(canvas: &'a mut Canvas, window: usize, error_threshold: f64) -> Self {
         let targets = canvas.points.len() - canvas.first_target;
         Self {
-            frames: local_frames(base, &canvas.relief.normals),
-            windows: vec![params.window; targets],
-            matches: vec![None; targets],
-            sources: vec![0; targets],
-            threshold: params.error_threshold.max(LEAST_THRESHOLD),
+            window,
+            windows: vec![window; targets],
+            grown: Grown::new(targets),
+            threshold: error_threshold.max(LEAST_THRESHOLD),
             collector: Window::new(canvas.points.len()),
-            params,
             canvas,
         }
     }
 
-    /// Grows until every target is completed or no further one can be. After each front,
-    /// `renewed_samples` may give samples to use from then on; `progress` hears how many targets
-    /// are done.
-    pub(super) fn run(
+    /// Grows until every target is completed or no further one can be; `progress` hears how many
+    /// targets are done.
+    pub(super) fn run<M: Matcher>(
         mut self,
-        samples: Samples,
+        matcher: &mut M,
         rng: &mut Rng,
-        mut renewed_samples: impl FnMut(&Canvas) -> Option<Samples>,
         mut progress: impl FnMut(usize),
     ) -> Grown {
-        let mut samples = samples;
         let mut done = 0;
+        // Targets next to what is known, completed ones among them.
+        let mut reached: Vec<usize> = (0..self.windows.len())
+            .filter(|target| self.is_reached(*target))
+            .collect();
         loop {
-            let front = self.front(rng);
-            if front.is_empty() {
+            reached.retain(|target| !self.is_known(*target));
+            if reached.is_empty() {
                 break;
             }
-            let (mut accepted, mut too_costly, mut shrunk) = (0, false, false);
-            for target in front {
-                match self.complete(target, &samples, rng) {
-                    Outcome::Accepted => {
-                        accepted += 1;
-                        progress(done + accepted);
-                    }
-                    Outcome::TooCostly => {
-                        too_costly = true;
-                        self.shrink_window(target);
-                    }
-                    Outcome::NoMatch => shrunk |= self.shrink_window(target),
+            let mut front = self.by_constraint(&reached, rng);
+            let mut outcome = Progress::default();
+            while !front.is_empty() {
+                let batch = self.independent(&mut front, M::BATCHES);
+                let found = matcher.find(self.canvas, &batch);
+                for (wanted, found) in batch.into_iter().zip(found) {
+                    self.settle(wanted.target, found, matcher, &mut outcome);
                 }
+                progress(done + outcome.accepted);
             }
-            done += accepted;
-            if accepted == 0 {
+            done += outcome.accepted;
+            if outcome.accepted > 0 {
+                matcher.front_ended(self.canvas);
+                self.add_reached(&mut reached);
+            } else if outcome.too_costly {
                 // Costs are at most 1, so this ends: the threshold gets there, windows get to 1.
-                if too_costly {
-                    self.threshold *= THRESHOLD_RISE;
-                } else if !shrunk {
-                    break;
-                }
-            } else if let Some(renewed) = renewed_samples(self.canvas) {
-                samples = renewed;
+                self.threshold *= THRESHOLD_RISE;
+            } else if !outcome.shrunk {
+                break;
             }
         }
-        Grown {
-            matches: self.matches,
-            sources: self.sources,
-        }
+        self.grown
     }
 
-    /// Targets with a known neighbor, those with the most known vertices in their window first,
-    /// equal ones in random order.
-    fn front(&mut self, rng: &mut Rng) -> Vec<usize> {
-        let canvas = &*self.canvas;
-        let mut front: Vec<(std::cmp::Reverse<usize>, u32, usize)> = Vec::new();
-        for target in 0..self.matches.len() {
-            let v = index(canvas.first_target + target);
-            let direct = canvas.adjacency.neighbors.row(v as usize);
-            if canvas.known[v as usize] || !direct.iter().any(|n| canvas.known[*n as usize]) {
-                continue;
-            }
-            let window =
-                (self.collector).around(&canvas.adjacency.neighbors, v, self.windows[target]);
-            let known = window.iter().filter(|n| canvas.known[**n as usize]).count();
-            front.push((std::cmp::Reverse(known), rng.word(), target));
+    fn is_known(&self, target: usize) -> bool {
+        self.canvas.known[self.canvas.first_target + target]
+    }
+
+    /// Whether a target has a known neighbor.
+    fn is_reached(&self, target: usize) -> bool {
+        let direct = (self.canvas.adjacency.neighbors).row(self.canvas.first_target + target);
+        direct.iter().any(|n| self.canvas.known[*n as usize])
+    }
+
+    /// Adds the targets next to those that were completed.
+    fn add_reached(&self, reached: &mut Vec<usize>) {
+        let completed: Vec<usize> = (reached.iter().copied())
+            .filter(|target| self.is_known(*target))
+            .collect();
+        for target in completed {
+            let direct = (self.canvas.adjacency.neighbors).row(self.canvas.first_target + target);
+            let targets = (direct.iter())
+                .filter_map(|n| (*n as usize).checked_sub(self.canvas.first_target))
+                .filter(|n| !self.is_known(*n));
+            reached.extend(targets);
         }
+        reached.sort_unstable();
+        reached.dedup();
+    }
+
+    /// The front: those with the most known vertices in their window first, equal ones in random
+    /// order.
+    fn by_constraint(&mut self, reached: &[usize], rng: &mut Rng) -> VecDeque<usize> {
+        let canvas = &*self.canvas;
+        let mut front: Vec<(std::cmp::Reverse<usize>, u32, usize)> = (reached.iter())
+            .map(|target| {
+                let v = index(canvas.first_target + target);
+                let window =
+                    (self.collector).around(&canvas.adjacency.neighbors, v, self.windows[*target]);
+                let known = window.iter().filter(|n| canvas.known[**n as usize]).count();
+                (std::cmp::Reverse(known), rng.word(), *target)
+            })
+            .collect();
         front.sort_unstable();
         front.into_iter().map(|(_, _, target)| target).collect()
     }
 
-    /// Matches one target and copies the pick if it is good enough.
-    fn complete(&mut self, target: usize, samples: &Samples, rng: &mut Rng) -> Outcome {
-        let query = self.query(target);
-        let likely = self.likely(target, samples);
-        let matches = best_matches(samples, &query, &self.params.search, &likely);
-        if matches.is_empty() {
-            return Outcome::NoMatch;
+    /// Takes from the front what is matched next: the first target, and if asked for in batches all later
+    /// ones that are in the window of none of the batch, so that they can be matched at the same time.
+    fn independent(&mut self, front: &mut VecDeque<usize>, in_batches: bool) -> Vec<Wanted> {
+        if !in_batches {
+            let first: Vec<usize> = front.pop_front().into_iter().collect();
+            return self.wanted(&first);
         }
-        let pick = matches[rng.index(matches.len())];
-        if pick.cost > self.threshold.min(1.0) {
-            return Outcome::TooCostly;
+        let mut batch = Vec::new();
+        self.collector.begin_union();
+        front.retain(|target| {
+            let v = index(self.canvas.first_target + target);
+            if self.collector.holds(v) {
+                return true;
+            }
+            let neighbors = &self.canvas.adjacency.neighbors;
+            self.collector.unite(neighbors, v, self.window);
+            batch.push(*target);
+            false
+        });
+        self.wanted(&batch)
+    }
+
+    fn wanted(&self, targets: &[usize]) -> Vec<Wanted> {
+        (targets.iter())
+            .map(|target| Wanted {
+                target: *target,
+                window: self.windows[*target],
+            })
+            .collect()
+    }
+
+    /// Copies what was found for a target, if it is good enough; else its window shrinks.
+    fn settle<M: Matcher>(
+        &mut self,
+        target: usize,
+        found: Option<Copied<M::Source>>,
+        matcher: &mut M,
+        outcome: &mut Progress,
+    ) {
+        match found {
+            Some(copied) if copied.cost <= self.threshold.min(1.0) => {
+                self.copy(target, &copied);
+                matcher.completed(self.canvas, target, &copied);
+                outcome.accepted += 1;
+            }
+            Some(_) => {
+                outcome.too_costly = true;
+                self.shrink_window(target);
+            }
+            None => outcome.shrunk |= self.shrink_window(target),
         }
-        self.copy(target, pick, samples);
-        Outcome::Accepted
     }
 
-    /// What is known within the target's window.
-    fn query(&mut self, target: usize) -> Query {
-        let canvas = &*self.canvas;
-        let v = canvas.first_target + target;
-        let radius = self.windows[target];
-        let sigma = window_sigma(radius, self.params.spacing);
-        let (foot, frame) = (canvas.relief.feet[v], &self.frames[v]);
-        let window = self
-            .collector
-            .around(&canvas.adjacency.neighbors, index(v), radius);
-        let known = || {
-            let window = window.iter().map(|n| *n as usize);
-            window.filter(|n| canvas.known[*n])
-        };
-        // Only ratios of weights count; relative to the nearest neighbor they cannot all vanish.
-        let nearest_sq = known()
-            .map(|n| (canvas.relief.feet[n] - foot).norm_squared())
-            .fold(f64::INFINITY, f64::min);
-        let neighbors = known()
-            .map(|n| {
-                Neighbor::new(
-                    &foot,
-                    frame,
-                    &canvas.relief.feet[n],
-                    &canvas.points[n],
-                    canvas.colors.as_ref().map(|colors| colors[n]),
-                    |distance_sq| gaussian_weight(distance_sq - nearest_sq, sigma),
-                )
-            })
-            .collect();
-        Query::new(neighbors)
-    }
-
-    /// Samples that continue what the completed neighbors were copied from: looked at first, they
-    /// make the search faster and change nothing else.
-    fn likely(&self, target: usize, samples: &Samples) -> Vec<SampleId> {
-        let canvas = &*self.canvas;
-        let v = canvas.first_target + target;
-        let mut likely: Vec<SampleId> = (canvas.adjacency.neighbors.row(v).iter())
-            .filter_map(|n| (*n as usize).checked_sub(canvas.first_target))
-            .filter_map(|n| Some((n, self.matches[n]?)))
-            .filter_map(|(n, found)| {
-                let n = canvas.first_target + n;
-                let offset =
-                    self.frames[n].to_local(&(canvas.relief.feet[v] - canvas.relief.feet[n]));
-                samples.continuation(&found, self.params.search.rotations, &offset)
-            })
-            .collect();
-        likely.sort_unstable();
-        likely.dedup();
-        likely
-    }
-
-    fn copy(&mut self, target: usize, pick: Match, samples: &Samples) {
+    fn copy<S>(&mut self, target: usize, copied: &Copied<S>) {
         let canvas = &mut *self.canvas;
         let v = canvas.first_target + target;
-        let height = samples.height(pick.sample);
-        canvas.relief.heights[v] = height;
-        canvas.points[v] = canvas.relief.point(v, height);
-        if let (Some(colors), Some(color)) = (&mut canvas.colors, samples.color(pick.sample)) {
+        canvas.relief.heights[v] = copied.height;
+        canvas.points[v] = canvas.relief.point(v, copied.height);
+        if let (Some(colors), Some(color)) = (&mut canvas.colors, copied.color) {
             colors[v] = color;
         }
         canvas.known[v] = true;
-        let source = samples.scanned_vertex(pick.sample);
-        self.sources[target] = match (source as usize).checked_sub(canvas.first_target) {
-            None => source,
-            Some(earlier) => self.sources[earlier],
+        self.grown.sources[target] = match (copied.vertex as usize).checked_sub(canvas.first_target)
+        {
+            None => copied.vertex,
+            Some(earlier) => self.grown.sources[earlier],
         };
-        self.matches[target] = Some(pick);
+        self.grown.costs[target] = Some(copied.cost);
     }
 
     /// One edge less for a skipped vertex; whether there was one to take.

@@ -7,6 +7,9 @@
 //! [Breckon & Fisher 2005](crate::bibliography#breckon--fisher-2005), Appendix A.
 
 mod assemble;
+mod audit;
+mod by_paper;
+mod by_stencil;
 mod error;
 mod gaps;
 mod growth;
@@ -18,8 +21,8 @@ mod surroundings;
 
 pub use assemble::{COMPLETED, HEIGHT, RememberedBase, SOURCE, remembered_base};
 pub use error::CompletionError;
-pub use params::{CompleteParams, HoleChoice};
-pub use report::{CompletionReport, Counts, FilledHole, SkippedHole, StageTime};
+pub use params::{CompleteParams, HoleChoice, Method};
+pub use report::{CompletionReport, Counts, FilledHole, Recall, Searched, SkippedHole, StageTime};
 
 use std::borrow::Cow;
 use std::time::Instant;
@@ -124,6 +127,7 @@ pub fn complete(
         filled: work.filled(),
         skipped: work.skipped,
         counts,
+        searched: work.searched,
         seconds,
     };
     report.translate(origin);
@@ -188,6 +192,7 @@ struct Work {
     skipped: Vec<SkippedHole>,
     /// Samples searched on the scan's own base surface.
     samples: usize,
+    searched: Searched,
     /// Number of patches begun: each has random numbers of its own.
     patches: u32,
 }

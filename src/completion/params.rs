@@ -23,6 +23,22 @@ pub enum HoleChoice {
     Ids(Vec<usize>),
 }
 
+/// How to find what a new vertex is copied from.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// Breckon & Fisher 2005, step by step: squared distances to the surface, over every sample of
+    /// the oversampled surface and every rotation, one new vertex after the other.
+    Paper,
+    /// Differences of height and colour on a stencil, over every sample of the oversampled surface
+    /// and every rotation (as many as the memory holds).
+    Exhaustive,
+    /// The same differences; what continues the neighbors' sources anywhere on the surface is
+    /// preferred to the best of evenly spread sites.
+    #[default]
+    Coherent,
+}
+
 /// Parameters of [`super::complete`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CompleteParams {
@@ -50,6 +66,21 @@ pub struct CompleteParams {
     pub spacing: SpacingRule,
     /// Completed vertices become samples after each front. Default: no.
     pub bootstrap: bool,
+    /// How matches are found. Default: coherent search.
+    pub method: Method,
+    /// κ of coherent search: what continues a neighbor's source is taken unless another place costs
+    /// less than 1/(1 + κ) of it (and at once, where it fits better than good matches do). Default 0.3.
+    pub coherence: f64,
+    /// Most sites at which coherent search looks all over the surface; beyond them, an even choice.
+    /// Default 8192.
+    pub sites: usize,
+    /// Share of the new vertices that are also searched for exhaustively, so that the report can say how
+    /// good the matches of coherent search are. Changes nothing else.
+    /// Without `bootstrap` only. Default 0.
+    pub audit: f64,
+    /// Bytes that the tables of neighborhoods may take (exhaustive and coherent search): sites are
+    /// thinned until they do not take more. Default 2 GiB.
+    pub memory: usize,
     /// Seed of the random picks. Default 0.
     pub seed: u32,
 }
@@ -67,6 +98,11 @@ impl Default for CompleteParams {
             mu: None,
             spacing: SpacingRule::default(),
             bootstrap: false,
+            method: Method::default(),
+            coherence: 0.3,
+            sites: 8192,
+            audit: 0.0,
+            memory: 2 << 30,
             seed: 0,
         }
     }
@@ -82,7 +118,7 @@ impl CompleteParams {
             SpacingRule::Length(length) => length,
             _ => 1.0,
         };
-        let rules: [(&'static str, &'static str, f64, bool); 6] = [
+        let rules = [
             (
                 "--window",
                 "from 1 to 50",
@@ -97,9 +133,9 @@ impl CompleteParams {
             ),
             (
                 "--tolerance",
-                "0 or more",
+                "0 or more, at most 100",
                 self.tolerance,
-                self.tolerance >= 0.0,
+                (0.0..=100.0).contains(&self.tolerance),
             ),
             (
                 "--error-threshold",
@@ -113,6 +149,19 @@ impl CompleteParams {
                 self.mu.unwrap_or(0.0),
                 self.mu.is_none_or(|mu| (0.0..=1.0).contains(&mu)),
             ),
+            (
+                "--coherence",
+                "0 or more",
+                self.coherence,
+                self.coherence >= 0.0 && self.coherence.is_finite(),
+            ),
+            (
+                "--audit",
+                "from 0 to 1",
+                self.audit,
+                (0.0..=1.0).contains(&self.audit),
+            ),
+            ("--sites", "1 or more", self.sites as f64, self.sites >= 1),
             (
                 "--spacing",
                 "a positive length",

@@ -3,14 +3,17 @@
 use nalgebra::Point3;
 
 use crate::base::{BaseSurface, FitReport};
-use crate::matching::paper::{Match, Samples, Search};
+use crate::matching::paper::{Samples, Search};
+use crate::matching::{coherent, exemplar::ExemplarParams};
 use crate::mesh::{Adjacency, TriMesh, triangle_normal};
 use crate::relief::{self, Relief};
 use crate::rng::{Rng, Stage};
 use crate::sampling::{Fill, Gap, fill, subdivide};
 
-use super::growth::{Canvas, Grown, Growth, GrowthParams};
-use super::{Clock, CompleteParams, FilledHole, Input, Progress, SkippedHole, Work};
+use super::by_paper::ByPaper;
+use super::by_stencil::{ByStencil, StencilParams};
+use super::growth::{Canvas, Grown, Growth, Matcher};
+use super::{Clock, CompleteParams, FilledHole, Input, Method, Progress, SkippedHole, Work};
 
 /// A base surface and the part of the scan that lies on it.
 #[derive(Debug)]
@@ -19,7 +22,9 @@ pub(super) struct Patch {
     pub(super) relief: Relief,
     /// By vertex: whether it lies on the base (is relief).
     pub(super) on_base: Vec<bool>,
-    /// The triangles that can be copied from: corners on the base, not folded over.
+    /// The triangles that lie on the base: corners there, not folded over.
+    lying: Vec<[u32; 3]>,
+    /// Those of them that can be copied from.
     pub(super) triangles: Vec<[u32; 3]>,
     /// Whether it is a hole's own base surface.
     own: bool,
@@ -50,6 +55,33 @@ struct Planned {
     fill: Fill,
     /// Its targets' place among all targets of the patch.
     targets: std::ops::Range<usize>,
+}
+
+/// What growing is to be done with.
+struct Run<'a> {
+    input: &'a Input,
+    params: &'a CompleteParams,
+    /// New triangles, see [`joint_triangles`].
+    joint: Vec<[u32; 3]>,
+    /// Seed, and number of the patch: what all random numbers follow from.
+    seed: [u32; 2],
+}
+
+impl Run<'_> {
+    fn grow<M: Matcher>(&self, canvas: &mut Canvas, matcher: &mut M, clock: &mut Clock) -> Grown {
+        let total = canvas.points.len() - canvas.first_target;
+        let mut rng = Rng::new(self.seed[0], Stage::Completion, self.seed[1]);
+        let growth = Growth::new(canvas, self.params.window, self.params.error_threshold);
+        let grown = growth.run(matcher, &mut rng, |done| {
+            (clock.progress)(Progress {
+                stage: "growth",
+                done,
+                total,
+            });
+        });
+        clock.end("growth");
+        grown
+    }
 }
 
 impl Patch {
@@ -84,8 +116,8 @@ impl Patch {
                 used[v] && relief.heights[v].abs() <= reach && region.is_none_or(|region| region[v])
             })
             .collect();
-        let triangles = (input.mesh.triangles.iter())
-            .filter(|t| (t.iter()).all(|v| on_base[*v as usize] && input.scanned[*v as usize]))
+        let lying: Vec<[u32; 3]> = (input.mesh.triangles.iter())
+            .filter(|t| (t.iter()).all(|v| on_base[*v as usize]))
             .filter(|t| {
                 let [a, b, c] = t.map(|v| v as usize);
                 let normal = triangle_normal([relief.feet[a], relief.feet[b], relief.feet[c]]);
@@ -97,7 +129,11 @@ impl Patch {
             base: *base,
             relief,
             on_base,
-            triangles,
+            triangles: (lying.iter())
+                .filter(|t| t.iter().all(|v| input.scanned[*v as usize]))
+                .copied()
+                .collect(),
+            lying,
             own: region.is_some(),
         }
     }
@@ -119,41 +155,89 @@ impl Patch {
     ) {
         let planned = self.plan(input, gaps, work);
         clock.end("targets");
-        let total = planned.last().map_or(0, |last| last.targets.end);
         let mut canvas = self.canvas(input, &planned);
-        let mut rng = Rng::new(params.seed, Stage::Completion, work.patches);
-        work.patches += 1;
-        let grown = if total == 0 {
-            Grown {
-                matches: Vec::new(),
-                sources: Vec::new(),
-            }
-        } else {
-            let samples = self.samples(&input.mesh, &self.relief, input.colors.as_deref());
-            clock.end("samples");
-            if !self.own {
-                work.samples = samples.len();
-            }
-            let growth = Growth::new(&mut canvas, &self.base, growth_params(input, params));
-            let joint = params.bootstrap.then(|| joint_triangles(input, &planned));
-            let grown = growth.run(
-                samples,
-                &mut rng,
-                |canvas| joint.as_ref().map(|joint| self.renewed(canvas, joint)),
-                |done| {
-                    (clock.progress)(Progress {
-                        stage: "growth",
-                        done,
-                        total,
-                    });
-                },
-            );
-            clock.end("growth");
-            grown
+        let run = Run {
+            input,
+            params,
+            joint: joint_triangles(input, &planned),
+            seed: [params.seed, work.patches],
         };
-        for gap in planned {
-            self.collect(gap, &canvas, &grown, work);
+        work.patches += 1;
+        let grown = if planned.iter().all(|gap| gap.targets.is_empty()) {
+            Ok(Grown::new(0))
+        } else if params.method == Method::Paper {
+            Ok(self.grow_by_paper(&run, &mut canvas, work, clock))
+        } else {
+            self.grow_by_stencil(&run, &mut canvas, work, clock)
+        };
+        match grown {
+            Ok(grown) => {
+                for gap in planned {
+                    self.collect(gap, &canvas, &grown, work);
+                }
+            }
+            Err(reason) => work
+                .skipped
+                .extend(planned.into_iter().map(|gap| SkippedHole {
+                    loops: gap.loops,
+                    reason: reason.clone(),
+                })),
         }
+    }
+
+    fn grow_by_paper(
+        &self,
+        run: &Run,
+        canvas: &mut Canvas,
+        work: &mut Work,
+        clock: &mut Clock,
+    ) -> Grown {
+        let Run { input, params, .. } = *run;
+        let samples = self.samples(&input.mesh, &self.relief, input.colors.as_deref());
+        if !self.own {
+            work.samples = samples.len();
+        }
+        let renew = |canvas: &Canvas| self.renewed(canvas, &run.joint);
+        let renew: Option<&dyn Fn(&Canvas) -> Samples> = match params.bootstrap {
+            true => Some(&renew),
+            false => None,
+        };
+        let (search, spacing) = (paper_search(input, params), input.spacing.spacing);
+        let base = &self.base;
+        let mut matcher = ByPaper::new(canvas, base, samples, renew, search, spacing, run.seed);
+        clock.end("samples");
+        run.grow(canvas, &mut matcher, clock)
+    }
+
+    /// # Errors
+    /// In words, why there is nothing to copy from.
+    fn grow_by_stencil(
+        &self,
+        run: &Run,
+        canvas: &mut Canvas,
+        work: &mut Work,
+        clock: &mut Clock,
+    ) -> Result<Grown, String> {
+        let samples = self.sample_vertices(canvas.points.len());
+        if !self.own {
+            work.samples = samples.iter().filter(|is| **is).count();
+        }
+        let triangles = [&self.lying[..], &run.joint].concat();
+        let params = stencil_params(run.input, run.params, run.seed);
+        let mut matcher = ByStencil::new(canvas, &self.base, triangles, &samples, params)?;
+        clock.end("samples");
+        let grown = run.grow(canvas, &mut matcher, clock);
+        work.searched.add(&matcher.searched());
+        Ok(grown)
+    }
+
+    /// By vertex of the canvas: whether it may be copied from.
+    fn sample_vertices(&self, count: usize) -> Vec<bool> {
+        let mut is_sample = vec![false; count];
+        for v in self.triangles.iter().flatten() {
+            is_sample[*v as usize] = true;
+        }
+        is_sample
     }
 
     fn plan(&self, input: &Input, gaps: Vec<NumberedGap>, work: &mut Work) -> Vec<Planned> {
@@ -246,19 +330,19 @@ impl Patch {
     }
 
     fn collect(&self, gap: Planned, canvas: &Canvas, grown: &Grown, work: &mut Work) {
-        let matches: Vec<Option<Match>> = grown.matches[gap.targets.clone()].to_vec();
-        let unmatched = matches.iter().filter(|found| found.is_none()).count();
+        let costs = &grown.costs[gap.targets.clone()];
+        let unmatched = costs.iter().filter(|cost| cost.is_none()).count();
         if unmatched > 0 {
             work.skipped.push(SkippedHole {
                 loops: gap.loops,
                 reason: format!(
                     "{unmatched} of its {} new vertices found no match: nowhere does the scan show a surrounding like theirs; try a smaller --window or a larger --spacing",
-                    matches.len()
+                    costs.len()
                 ),
             });
             return;
         }
-        let costs = matches.iter().flatten().map(|found| found.cost);
+        let matched = costs.iter().flatten().copied();
         let vertices =
             canvas.first_target + gap.targets.start..canvas.first_target + gap.targets.end;
         work.added.push(Added {
@@ -268,10 +352,10 @@ impl Patch {
             sources: grown.sources[gap.targets].to_vec(),
             report: FilledHole {
                 loops: gap.loops,
-                vertices: matches.len(),
+                vertices: costs.len(),
                 faces: gap.fill.triangles.len(),
-                mean_cost: costs.clone().sum::<f64>() / matches.len().max(1) as f64,
-                worst_cost: costs.fold(0.0, f64::max),
+                mean_cost: matched.clone().sum::<f64>() / costs.len().max(1) as f64,
+                worst_cost: matched.fold(0.0, f64::max),
                 own_base: self.own.then_some(self.base),
             },
             triangles: gap.fill.triangles,
@@ -298,18 +382,53 @@ fn joint_triangles(input: &Input, planned: &[Planned]) -> Vec<[u32; 3]> {
         .collect()
 }
 
-fn growth_params(input: &Input, params: &CompleteParams) -> GrowthParams {
-    GrowthParams {
+fn paper_search(input: &Input, params: &CompleteParams) -> Search {
+    Search {
+        rotations: params.rotations,
+        mu: color_share(input, params),
+        tolerance: params.tolerance,
+    }
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "costs on a stencil are single"
+)]
+fn stencil_params(input: &Input, params: &CompleteParams, seed: [u32; 2]) -> StencilParams {
+    /// Most similar candidates of every site that coherent search looks at.
+    const SIMILAR: usize = 3;
+    /// Sites that random search starts from, and random places at each radius around them.
+    const STARTS: usize = 6;
+    const TRIES: u32 = 3;
+    let coherent = params.method == Method::Coherent;
+    StencilParams {
         window: params.window,
         spacing: input.spacing.spacing,
-        error_threshold: params.error_threshold,
-        search: Search {
+        mu: color_share(input, params),
+        exemplar: ExemplarParams {
             rotations: params.rotations,
-            mu: match input.colors {
-                Some(_) => params.mu.unwrap_or(0.5),
-                None => 0.0,
-            },
-            tolerance: params.tolerance,
+            most_sites: if coherent { params.sites } else { usize::MAX },
+            // Renewed tables stand beside those that they replace.
+            memory: params.memory / if params.bootstrap { 2 } else { 1 },
+            similar: if coherent { SIMILAR } else { 0 },
         },
+        coherent,
+        search: coherent::Search {
+            coherence: params.coherence as f32,
+            tolerance: params.tolerance as f32,
+            starts: STARTS,
+            tries: TRIES,
+        },
+        audit: params.audit,
+        bootstrap: params.bootstrap,
+        seed,
+    }
+}
+
+/// μ, as asked for or by default: half, where there are colours.
+fn color_share(input: &Input, params: &CompleteParams) -> f64 {
+    match input.colors {
+        Some(_) => params.mu.unwrap_or(0.5),
+        None => 0.0,
     }
 }

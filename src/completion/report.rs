@@ -21,6 +21,8 @@ pub struct CompletionReport {
     pub skipped: Vec<SkippedHole>,
     /// Vertices and faces before and after, samples searched, and the like.
     pub counts: Counts,
+    /// What was searched, on the scan's own base surface and on those of single holes.
+    pub searched: Searched,
     /// Wall-clock seconds by stage, in order.
     pub seconds: Vec<StageTime>,
 }
@@ -36,12 +38,86 @@ pub struct Counts {
     pub completed_vertices: usize,
     /// Faces added.
     pub completed_faces: usize,
-    /// Sample vertices searched, after subdivision (of the scan's own base surface).
+    /// Vertices that were copied from, on the scan's own base surface; by the paper's method after
+    /// subdivision.
     pub samples: usize,
     /// Boundary loops of the input.
     pub loops: usize,
     /// Outer rims among them that were not chosen.
     pub rims_left: usize,
+}
+
+/// What a search over neighborhoods on a stencil looked at, and where its matches came from. All 0
+/// by the paper's method.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Searched {
+    /// Sites that were looked at for every new vertex (on the base surface with the most).
+    pub sites: usize,
+    /// Sites that there are; more than `sites` if they were thinned to the given number or to the
+    /// memory.
+    pub sites_offered: usize,
+    /// Whether there are fewer sites than asked for because `memory` does not hold more.
+    pub thinned_by_memory: bool,
+    /// Bytes of the tables.
+    pub table_bytes: usize,
+    /// New vertices that continue what a neighbor was copied from.
+    pub continued: usize,
+    /// New vertices copied from a place like one that continues a neighbor's source.
+    pub similar: usize,
+    /// New vertices copied from the best of all sites.
+    pub global: usize,
+    /// How good the matches are, if that was asked for.
+    pub recall: Option<Recall>,
+}
+
+/// How often the searches find a match that costs at most 1.1 times as much as the best of all places
+/// at all rotations.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Recall {
+    /// New vertices that were searched for by every way.
+    pub audited: usize,
+    /// Places times rotations that they were compared with.
+    pub compared: usize,
+    /// Share of them matched as well by what continues the neighbors' sources alone.
+    pub continuing: f64,
+    /// The same, with what is similar to that.
+    pub coherent: f64,
+    /// The same, with the best of all sites and random search around it.
+    pub all: f64,
+}
+
+impl Searched {
+    /// Adds what was searched on another base surface.
+    pub(super) fn add(&mut self, other: &Self) {
+        self.sites = self.sites.max(other.sites);
+        self.sites_offered = self.sites_offered.max(other.sites_offered);
+        self.thinned_by_memory |= other.thinned_by_memory;
+        self.table_bytes = self.table_bytes.max(other.table_bytes);
+        self.continued += other.continued;
+        self.similar += other.similar;
+        self.global += other.global;
+        if let Some(recall) = &other.recall {
+            self.recall.get_or_insert_default().add(recall);
+        }
+    }
+}
+
+impl Recall {
+    /// Adds what was found for further new vertices.
+    pub(super) fn add(&mut self, other: &Self) {
+        let audited = self.audited + other.audited;
+        let share = |own: f64, others: f64| {
+            let sum = own * self.audited as f64 + others * other.audited as f64;
+            sum / audited.max(1) as f64
+        };
+        *self = Self {
+            audited,
+            compared: self.compared.max(other.compared),
+            continuing: share(self.continuing, other.continuing),
+            coherent: share(self.coherent, other.coherent),
+            all: share(self.all, other.all),
+        };
+    }
 }
 
 /// A gap that was filled.
