@@ -187,6 +187,14 @@ fn holes_in_every_kind_of_surface_are_closed() {
 #[test]
 fn the_mean_integral_of_a_golf_ball_is_met() {
     let scan = synthetic(Kind::GolfBall, Part::hole(0.05));
+    let by_paper = CompleteParams {
+        method: Method::Paper,
+        ..CompleteParams::default()
+    };
+    let (completion, _) = completed(&scan, &by_paper);
+    let comparison = stats::compare(&completion.scan).unwrap();
+    let difference = comparison.mean_integral_difference_percent;
+    assert!(difference.abs() < 20.0, "{difference} %");
     // Some fifty new vertices are few dimples: single completions scatter by as much as their mean.
     let differences = (0..4u32).map(|seed| {
         let params = CompleteParams {

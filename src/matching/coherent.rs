@@ -5,8 +5,7 @@
 //! neighbors were copied from, [Tong et al. 2002](crate::bibliography#tong-et-al-2002) for those most
 //! similar to them, [Image analogies 2001](crate::bibliography#image-analogies-2001), §3.2, for
 //! preferring coherent matches by a factor 1 + κ, and
-//! [PatchMatch 2009](crate::bibliography#patchmatch-2009), §3.2, for the random search around a match
-//! (with rotations, as in its generalisation of 2010).
+//! [PatchMatch 2009](crate::bibliography#patchmatch-2009), §3.2, for the random search around a match.
 
 use nalgebra::Point3;
 

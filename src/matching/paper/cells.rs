@@ -230,12 +230,9 @@ fn hash(key: u64) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::point;
     use super::*;
     use proptest::prelude::*;
-
-    fn point() -> impl Strategy<Value = Point3<f64>> {
-        [-2.0..2.0f64, -2.0..2.0, -2.0..2.0].prop_map(Point3::from)
-    }
 
     proptest! {
         #[test]

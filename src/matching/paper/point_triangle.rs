@@ -89,12 +89,9 @@ impl PreparedTriangle {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::point;
     use super::*;
     use proptest::prelude::*;
-
-    fn point() -> impl Strategy<Value = Point3<f64>> {
-        [-2.0..2.0f64, -2.0..2.0, -2.0..2.0].prop_map(Point3::from)
-    }
 
     proptest! {
         #[test]

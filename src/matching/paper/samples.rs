@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::base::BaseSurface;
-use crate::mesh::{Adjacency, Csr, TriMesh};
+use crate::mesh::{Adjacency, Csr, TriMesh, spatial_order};
 use crate::neighborhood::{Frame, local_frames};
 use crate::sampling::Subdivision;
 
@@ -72,7 +72,7 @@ impl Samples {
     pub fn new(base: &BaseSurface, surface: &Subdivision) -> Self {
         let relief = &surface.relief;
         let adjacency = Adjacency::new(&surface.mesh);
-        let order = spatial_order(surface);
+        let order = order_of_samples(surface);
         let frames = local_frames(base, &relief.normals);
         let sites: Vec<Site> = (order.iter())
             .map(|v| Site {
@@ -186,33 +186,12 @@ impl Samples {
 
 /// The vertices that a triangle uses, along a Z-order curve, so that samples which are looked at one
 /// after the other are close in memory.
-fn spatial_order(surface: &Subdivision) -> Vec<u32> {
-    let feet = &surface.relief.feet;
-    let used = surface.mesh.used_vertices();
-    let mut order: Vec<u32> = (0u32..)
-        .zip(&used)
+fn order_of_samples(surface: &Subdivision) -> Vec<u32> {
+    let used = (0u32..)
+        .zip(surface.mesh.used_vertices())
         .filter_map(|(v, used)| used.then_some(v))
         .collect();
-    let low = (order.iter()).fold(Point3::from([f64::INFINITY; 3]), |low, v| {
-        low.inf(&feet[*v as usize])
-    });
-    let size = (order.iter())
-        .map(|v| (feet[*v as usize] - low).amax())
-        .fold(f64::MIN_POSITIVE, f64::max);
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "from 0 to 1023"
-    )]
-    let morton = |v: u32| {
-        let cell = (feet[v as usize] - low) * (1023.0 / size);
-        (0..10).fold(0u64, |code, bit| {
-            let bits = [cell.x, cell.y, cell.z].map(|x| (x as u64 >> (9 - bit)) & 1);
-            (code << 3) | (bits[0] << 2) | (bits[1] << 1) | bits[2]
-        })
-    };
-    order.sort_by_cached_key(|v| (morton(*v), *v));
-    order
+    spatial_order(&surface.relief.feet, used)
 }
 
 /// Corners of the triangles in the order of their samples, and which triangles are around each sample.

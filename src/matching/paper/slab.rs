@@ -52,12 +52,9 @@ fn along(normal: &[f32; 3], p: &Point3<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::point_triangle::PreparedTriangle;
+    use super::super::tests::point;
     use super::*;
     use proptest::prelude::*;
-
-    fn point() -> impl Strategy<Value = Point3<f64>> {
-        [-2.0..2.0f64, -2.0..2.0, -2.0..2.0].prop_map(Point3::from)
-    }
 
     proptest! {
         #[test]

@@ -1,6 +1,7 @@
 //! The engine against a plain loop over everything.
 
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::{Point3, Rotation3, Vector3};
+use proptest::prelude::*;
 
 use super::point_triangle::PreparedTriangle;
 use super::*;
@@ -11,6 +12,11 @@ use crate::relief;
 use crate::rng::{Rng, Stage};
 use crate::sampling::{SpacingRule, Subdivision, edge_spacing, subdivide};
 use crate::synth::{self, Kind, SynthParams};
+
+/// Points around the origin, for properties of triangles.
+pub(super) fn point() -> impl Strategy<Value = Point3<f64>> {
+    [-2.0..2.0f64, -2.0..2.0, -2.0..2.0].prop_map(Point3::from)
+}
 
 struct Scene {
     base: BaseSurface,
