@@ -37,3 +37,24 @@
 //! # Lucas & Kanade 1981
 //! B. D. Lucas, T. Kanade: *An iterative image registration technique with an application to stereo
 //! vision.* International Joint Conference on Artificial Intelligence (IJCAI), 674–679, 1981.
+//!
+//! # Pérez et al. 2003
+//! P. Pérez, M. Gangnet, A. Blake: *Poisson image editing.* ACM Transactions on Graphics 22(3),
+//! 313–318, 2003.
+//!
+//! # Bhat et al. 2008
+//! P. Bhat, B. Curless, M. Cohen, C. L. Zitnick: *Fourier analysis of the 2D screened Poisson equation
+//! for gradient domain problems.* European Conference on Computer Vision (ECCV), 114–128, 2008.
+//!
+//! # Liepa 2003
+//! P. Liepa: *Filling holes in meshes.* Eurographics Symposium on Geometry Processing, 200–205, 2003; the
+//! triangulation of least weight is that of G. Barequet, M. Sharir: *Filling gaps in the boundary of a
+//! polyhedron.* Computer Aided Geometric Design 12(2), 207–229, 1995.
+//!
+//! # Botsch & Kobbelt 2004
+//! M. Botsch, L. Kobbelt: *A remeshing approach to multiresolution modeling.* Eurographics Symposium on
+//! Geometry Processing, 185–192, 2004.
+//!
+//! # Bergou et al. 2006
+//! M. Bergou, M. Wardetzky, D. Harmon, D. Zorin, E. Grinspun: *A quadratic bending model for inextensible
+//! surfaces.* Eurographics Symposium on Geometry Processing, 227–230, 2006.

@@ -144,7 +144,7 @@ fn fit_kinds(mesh: &Normalized, params: &FitParams) -> Result<Vec<Refined>, FitE
     let found = mesh.samples.points.len();
     let kinds = match params.base {
         BaseChoice::Kind(kind) => vec![kind],
-        BaseChoice::Auto => {
+        BaseChoice::Auto | BaseChoice::FreeForm => {
             let all = [
                 BaseKind::Plane,
                 BaseKind::Sphere,

@@ -13,6 +13,8 @@ pub enum BaseChoice {
     Auto,
     /// This kind, whatever the others would give.
     Kind(BaseKind),
+    /// Free form, see [`super::smooth_form`]: the kinds are fitted for comparison only, as with `Auto`.
+    FreeForm,
 }
 
 /// What is minimised over the heights of the vertices.

@@ -59,7 +59,7 @@ const SMOOTHING_ROUNDS: usize = 5;
 pub fn boundary_loops(mesh: &TriMesh, adjacency: &Adjacency) -> Vec<BoundaryLoop> {
     let walker = Walker { mesh, adjacency };
     let (components, _) = adjacency.components();
-    let smooth = smoothed_positions(mesh, adjacency);
+    let smooth = smoothed_positions(mesh, adjacency, SMOOTHING_ROUNDS);
     let mut seen = std::collections::HashSet::new();
     let mut loops = Vec::new();
     for (f, &[a, b, c]) in mesh.triangles.iter().enumerate() {
@@ -211,8 +211,14 @@ fn corner_angle(positions: &[Point3<f64>], at: u32, b: u32, c: u32) -> f64 {
     b.angle(&c)
 }
 
-/// Umbrella smoothing; boundary vertices move along the boundary only.
-fn smoothed_positions(mesh: &TriMesh, adjacency: &Adjacency) -> Vec<Point3<f64>> {
+/// Some rounds of umbrella smoothing, halfway to the neighbors' mean each; boundary vertices move along the
+/// boundary only.
+#[must_use]
+pub fn smoothed_positions(
+    mesh: &TriMesh,
+    adjacency: &Adjacency,
+    rounds: usize,
+) -> Vec<Point3<f64>> {
     let walker = Walker { mesh, adjacency };
     // Of boundary vertices, the neighbors along the boundary.
     let mut along = Csr::default();
@@ -228,7 +234,7 @@ fn smoothed_positions(mesh: &TriMesh, adjacency: &Adjacency) -> Vec<Point3<f64>>
         along => along,
     };
     let mut positions = mesh.positions.clone();
-    for _ in 0..SMOOTHING_ROUNDS {
+    for _ in 0..rounds {
         positions = (0..positions.len())
             .into_par_iter()
             .map(|v| {

@@ -92,3 +92,51 @@ pub fn bounding_diagonal<'a>(points: impl IntoIterator<Item = &'a Point3<f64>>) 
     let (low, high) = points.fold((*first, *first), |(low, high), p| (low.inf(p), high.sup(p)));
     (high - low).norm()
 }
+
+/// Gradients (#V) of a function that is linear in each triangle, values at the vertices (#V): the means of
+/// those in their triangles by area. Triangles with a corner whose value is not finite do not count; 0 without
+/// any that does.
+#[must_use]
+pub fn gradients(mesh: &TriMesh, values: &[f64]) -> Vec<Vector3<f64>> {
+    let mut sums = vec![(Vector3::zeros(), 0.0); values.len()];
+    for (f, t) in mesh.triangles.iter().enumerate() {
+        let [a, b, c] = mesh.corners(f);
+        let [ha, hb, hc] = t.map(|v| values[v as usize]);
+        let normal = triangle_normal([a, b, c]);
+        let double_area = normal.norm();
+        // Twice the area times the gradient.
+        let gradient = normal.cross(&((c - b) * ha + (a - c) * hb + (b - a) * hc)) / double_area;
+        if gradient.iter().all(|x| x.is_finite()) {
+            for v in t {
+                let (sum, weight) = &mut sums[*v as usize];
+                *sum += gradient;
+                *weight += double_area;
+            }
+        }
+    }
+    (sums.into_iter())
+        .map(|(sum, weight)| if weight > 0.0 { sum / weight } else { sum })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gradient_is_that_of_a_linear_function() {
+        let mesh = TriMesh {
+            positions: vec![
+                Point3::new(0.0, 0.0, 1.0),
+                Point3::new(2.0, 0.1, 1.0),
+                Point3::new(0.3, 1.0, 1.0),
+                Point3::new(2.5, 1.5, 1.0),
+            ],
+            triangles: vec![[0, 1, 2], [1, 3, 2]],
+        };
+        let values: Vec<f64> = mesh.positions.iter().map(|p| 3.0 * p.x - p.y).collect();
+        for gradient in gradients(&mesh, &values) {
+            assert!((gradient - Vector3::new(3.0, -1.0, 0.0)).norm() < 1e-12);
+        }
+    }
+}

@@ -12,11 +12,11 @@ mod nearest;
 mod spatial;
 
 pub use adjacency::{Adjacency, Csr};
-pub use boundary::{BoundaryLoop, LoopKind, boundary_loops, vector_area};
+pub use boundary::{BoundaryLoop, LoopKind, boundary_loops, smoothed_positions, vector_area};
 pub use check::{MeshDefect, check};
 pub use geometry::{
-    bounding_diagonal, edge_lengths, edges, euler_characteristic, triangle_area, triangle_normal,
-    vertex_areas, vertex_normals,
+    bounding_diagonal, edge_lengths, edges, euler_characteristic, gradients, triangle_area,
+    triangle_normal, vertex_areas, vertex_normals,
 };
 pub use nearest::{Nearest, PointTree};
 pub use spatial::spatial_order;
