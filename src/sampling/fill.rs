@@ -18,7 +18,7 @@ use super::rims::{Rim, RimTriangulation, Vertex, insert};
 
 /// More target vertices than this are refused before anything is allocated for them: about what
 /// 24 GiB can hold with their neighborhoods.
-const MAX_TARGETS: f64 = 2e7;
+pub(super) const MAX_TARGETS: f64 = 2e7;
 
 /// Targets keep this many spacings away from the rim, so that no sliver stands between them. In a
 /// lattice the next row would be 0.87 away.
@@ -76,6 +76,11 @@ pub enum FillError {
         /// The edge of the rim that meets another.
         edge: [u32; 2],
     },
+    /// Every triangulation of the rim and the islands in it would need an edge twice.
+    #[error(
+        "its rim and the loose pieces in it cannot be joined by triangles; remove the loose pieces there"
+    )]
+    CannotBeSpanned,
     /// The spacing asks for too many vertices.
     #[error(
         "it would need about {predicted:.1e} new vertices at a spacing of {spacing:.1e}, more than {MAX_TARGETS:.0e}; give a larger --spacing"
