@@ -3,6 +3,7 @@
 
 mod descriptor;
 mod frame;
+mod frame_field;
 mod gather;
 mod stencil;
 mod surface;
@@ -10,6 +11,7 @@ mod window;
 
 pub use descriptor::{Descriptor, Mask};
 pub use frame::{Frame, local_frames};
+pub use frame_field::smooth_frames;
 pub use gather::{Among, Channels, Reading, View, Walker};
 pub use stencil::Stencil;
 pub use surface::{Place, Surface};

@@ -26,7 +26,32 @@ impl Stencil {
     pub fn disc(radius: usize, spacing: f64) -> Self {
         let reach = lattice_number(radius);
         let lattice = lattice(radius).filter(|[x, y]| x * x + y * y <= reach * reach);
-        Self::on_lattice(lattice.collect(), radius, spacing)
+        Self::on_lattice(lattice.collect(), spacing, windowed(radius))
+    }
+
+    /// A disc that sees two scales: all points of a square lattice of the given spacing within four fifths
+    /// of `radius` spacings, and every other one along both axes out to twice as far. As many offsets as
+    /// [`Self::disc`] has, but the outer ones show what the relief does beyond its finest detail.
+    /// Each offset counts by the area that it stands for, and less the farther out it is: the Gaussian's
+    /// standard deviation is the radius of the dense part.
+    #[must_use]
+    pub fn two_scales(radius: usize, spacing: f64) -> Self {
+        let dense = (4 * radius).div_ceil(5);
+        let within = |p: &[i64; 2], radius: usize| {
+            let reach = lattice_number(radius);
+            length_sq(p) <= reach * reach
+        };
+        let is_seen = |p: &[i64; 2]| {
+            let is_every_other = p.iter().all(|x| x % 2 == 0);
+            within(p, dense) || (is_every_other && within(p, 2 * dense))
+        };
+        let points = lattice(2 * dense).filter(is_seen).collect();
+        #[expect(clippy::cast_possible_truncation, reason = "weights are single")]
+        let weight = |p: &[i64; 2]| {
+            let area = if within(p, dense) { 1.0 } else { 4.0 };
+            (area * gaussian_weight(length_sq(p) as f64, dense as f64)) as f32
+        };
+        Self::on_lattice(points, spacing, weight)
     }
 
     /// A square of (2·`radius` + 1)² lattice points.
@@ -35,7 +60,7 @@ impl Stencil {
     /// [Wei & Levoy 2001](crate::bibliography#wei--levoy-2001), §3.3: the neighborhood of an image.
     #[must_use]
     pub fn square(radius: usize, spacing: f64) -> Self {
-        Self::on_lattice(lattice(radius).collect(), radius, spacing)
+        Self::on_lattice(lattice(radius).collect(), spacing, windowed(radius))
     }
 
     /// A polar fan: the centre and `rings` rings of `spokes` offsets each, `spacing` apart along a
@@ -67,33 +92,37 @@ impl Stencil {
             parents: parents.map(index).collect(),
             turned: shifted.map(index).collect(),
             symmetry: spokes,
-            weights: weights(&points, rings),
+            weights: (points.iter())
+                .map(|[x, y]| window_weight(x * x + y * y, rings))
+                .collect(),
             offsets: scaled(&points, spacing),
             spacing,
         }
     }
 
-    fn on_lattice(mut points: Vec<[i64; 2]>, radius: usize, spacing: f64) -> Self {
+    fn on_lattice(
+        mut points: Vec<[i64; 2]>,
+        spacing: f64,
+        weight: impl Fn(&[i64; 2]) -> f32,
+    ) -> Self {
         let angle = |[x, y]: &[i64; 2]| (*y as f64).atan2(*x as f64);
         points.sort_by(|a, b| {
-            let length_sq = |[x, y]: &[i64; 2]| x * x + y * y;
             length_sq(a)
                 .cmp(&length_sq(b))
                 .then(angle(a).total_cmp(&angle(b)))
         });
         let place = |p: [i64; 2]| points.iter().position(|q| *q == p);
-        let parents = (points.iter())
-            .map(|p| place(towards_centre(*p)).expect("a disc and a square hold the way inwards"));
-        let parents: Vec<u32> = parents.map(index).collect();
+        let parents = points.iter().map(|p| parent(p, &points)).collect();
         let turned = (points.iter())
             .map(|[x, y]| place([-y, *x]).expect("a quarter of a turn maps the lattice to itself"));
         let turned = turned.map(index).collect();
+        let weights = points.iter().map(weight).collect();
         let points: Vec<[f64; 2]> = points.iter().map(|p| p.map(|x| x as f64)).collect();
         Self {
             parents,
             turned,
             symmetry: 4,
-            weights: weights(&points, radius),
+            weights,
             offsets: scaled(&points, spacing),
             spacing,
         }
@@ -123,7 +152,7 @@ impl Stencil {
         &self.parents
     }
 
-    /// Gaussian weights, 1 at the centre.
+    /// Weights, 1 at the centre.
     #[must_use]
     pub fn weights(&self) -> &[f32] {
         &self.weights
@@ -175,8 +204,26 @@ fn lattice_number(radius: usize) -> i64 {
     i64::try_from(radius).expect("a window is a few edges wide")
 }
 
-/// The lattice point next to `p` on the way to the centre: one less along the longer coordinate,
-/// along both on a diagonal.
+fn length_sq([x, y]: &[i64; 2]) -> i64 {
+    x * x + y * y
+}
+
+/// Where `p` is reached from: the lattice point next to it on the way to the centre or, where the lattice
+/// is thinned out, the nearest of those farther in.
+fn parent(p: &[i64; 2], points: &[[i64; 2]]) -> u32 {
+    let inwards = towards_centre(*p);
+    let next = points.iter().position(|q| *q == inwards);
+    let nearest = || {
+        let distance_sq = |q: &[i64; 2]| length_sq(&[q[0] - p[0], q[1] - p[1]]);
+        (points.iter().enumerate())
+            .filter(|(_, q)| length_sq(q) < length_sq(p))
+            .min_by_key(|(_, q)| distance_sq(q))
+            .map_or(0, |(j, _)| j)
+    };
+    index(next.unwrap_or_else(nearest))
+}
+
+/// One less along the longer coordinate, along both on a diagonal.
 fn towards_centre([x, y]: [i64; 2]) -> [i64; 2] {
     let along = |own: i64, other: i64| {
         if own.abs() >= other.abs() {
@@ -188,15 +235,17 @@ fn towards_centre([x, y]: [i64; 2]) -> [i64; 2] {
     [along(x, y), along(y, x)]
 }
 
-/// Gaussian weights of points given in spacings.
-fn weights(points: &[[f64; 2]], radius: usize) -> Vec<f32> {
-    let sigma = window_sigma(radius, 1.0);
+/// Gaussian weights of a window of `radius` spacings.
+fn windowed(radius: usize) -> impl Fn(&[i64; 2]) -> f32 {
+    move |p| window_weight(length_sq(p) as f64, radius)
+}
+
+/// The weight at a squared distance, in squared spacings.
+fn window_weight(distance_sq: f64, radius: usize) -> f32 {
     #[expect(clippy::cast_possible_truncation, reason = "weights are single")]
-    let weight = |[x, y]: &[f64; 2]| {
-        // No weight vanishes, however wide a square's corners reach.
-        (gaussian_weight(x * x + y * y, sigma) as f32).max(f32::MIN_POSITIVE)
-    };
-    points.iter().map(weight).collect()
+    let weight = gaussian_weight(distance_sq, window_sigma(radius, 1.0)) as f32;
+    // No weight vanishes, however wide a square's corners reach.
+    weight.max(f32::MIN_POSITIVE)
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "offsets are single")]
@@ -215,9 +264,10 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    fn all() -> [Stencil; 3] {
+    fn all() -> [Stencil; 4] {
         [
             Stencil::disc(5, 0.3),
+            Stencil::two_scales(5, 0.3),
             Stencil::square(3, 0.3),
             Stencil::fan(3, 18, 0.3),
         ]
@@ -225,7 +275,7 @@ mod tests {
 
     #[test]
     fn counts_are_those_of_the_papers() {
-        assert_eq!(all().map(|s| s.len()), [81, 49, 55]);
+        assert_eq!(all().map(|s| s.len()), [81, 85, 49, 55]);
         assert_eq!(Stencil::disc(5, 0.3).within(1), 5);
         assert_eq!(Stencil::disc(5, 0.3).within(5), 81);
         assert_eq!(Stencil::fan(3, 18, 0.3).within(2), 37);
@@ -238,7 +288,9 @@ mod tests {
                 let parent = *parent as usize;
                 assert!(parent < j);
                 let ([x, y], [u, v]) = (stencil.offsets()[j], stencil.offsets()[parent]);
-                assert!((x - u).hypot(y - v) <= 0.3 * 1.4143);
+                let is_thinned = x.hypot(y) > 4.01 * 0.3 && stencil.len() == 85;
+                let step = if is_thinned { 2.0 } else { 1.0 };
+                assert!((x - u).hypot(y - v) <= step * 0.3 * 1.4143);
                 assert!(u.hypot(v) < x.hypot(y));
             }
         }
@@ -262,8 +314,32 @@ mod tests {
     }
 
     #[test]
+    fn two_scales_weigh_what_a_dense_disc_weighs() {
+        let stencil = Stencil::two_scales(5, 0.3);
+        let [mut inner, mut outer] = [0.0; 2];
+        for ([x, y], weight) in stencil.offsets().iter().zip(stencil.weights()) {
+            let distance = x.hypot(*y) / 0.3;
+            assert!(distance <= 8.001);
+            *(if distance < 4.2 {
+                &mut inner
+            } else {
+                &mut outer
+            }) += weight;
+        }
+        // The integrals of exp(−r²/2σ²) over the disc of radius σ and the ring from there to 2σ.
+        let disc = |radii: f32| 1.0 - (-0.5 * radii * radii).exp();
+        let expected = (disc(2.0) - disc(1.0)) / disc(1.0);
+        assert!(
+            (outer / inner - expected).abs() < 0.15 * expected,
+            "{outer} {inner}"
+        );
+        // However narrow, something lies around the centre.
+        assert_eq!(Stencil::two_scales(1, 0.3).len(), 9);
+    }
+
+    #[test]
     fn weights_fall_from_the_centre() {
-        for stencil in all() {
+        for stencil in all().into_iter().filter(|stencil| stencil.len() != 85) {
             assert_relative_eq!(stencil.weights()[0], 1.0);
             for j in 1..stencil.len() {
                 assert!(stencil.weights()[j] > 0.0);
