@@ -9,11 +9,12 @@
 //! | [`rng`] | seed → Mersenne twister, the only door to randomness | Matsumoto & Nishimura 1998 |
 //! | [`mesh`] | triangle mesh, adjacency, boundary loops, normals, invariant check | |
 //! | [`scan`] | file → [`scan::Scan`] (vertices, faces, every channel) and back | PLY, OBJ, OFF, STL |
-//! | [`base`] | mesh → base surface, [`base::FitReport`] | [`bibliography#breckon--fisher-2005`] §3 |
+//! | [`base`] | mesh → base surface, [`base::FitReport`]; or free form, [`base::smooth_form`] | [`bibliography#breckon--fisher-2005`] §3 |
 //! | [`relief`] | mesh + base → heights, corrected normals; and heights + base → points | §3, Fig. 5 |
 //! | [`sampling`] | hole + base → target vertices, stitched triangulation; 1-to-4 subdivision | §4 |
 //! | [`neighborhood`] | vertex → neighbors within a window; place → values on a stencil in its tangent frame | §3; [`bibliography#wei--levoy-2001`] §3.3 |
 //! | [`matching`] | neighborhood + samples → best matches over all rotations | §3; [`bibliography#patchmatch-2009`] |
+//! | [`likeness`] | surface + piece → how far the piece is from the rest, in units of natural variation | ISO 25178-2 |
 //! | [`completion`] | scan → completed scan, grown from the front inwards | Appendix A |
 //! | [`stats`] | completed scan → original against completed part in figures | Table 1, Fig. 13 |
 //! | [`synth`] | parameters → synthetic scans with known truth | Fig. 8–12 |
@@ -30,6 +31,7 @@ pub mod relief;
 pub mod sampling;
 pub mod neighborhood;
 pub mod matching;
+pub mod likeness;
 pub mod completion;
 pub mod stats;
 pub mod synth;

@@ -18,6 +18,12 @@ pub enum Stage {
     Fit = 3,
     /// Picks and random places in the search for one vertex's match.
     Matching = 4,
+    /// Places of the true pieces that a figure is calibrated with.
+    Likeness = 5,
+    /// Places of the holes that are cut for an evaluation.
+    Evaluation = 6,
+    /// Places at which relief is read to choose parameters.
+    Suiting = 7,
 }
 
 /// A stream of random numbers.
