@@ -3,10 +3,10 @@
 mod common;
 
 use std::f64::consts::TAU;
-use std::io::Write;
-use std::path::PathBuf;
 
-use common::{assert_only_appended, cut, holed, loops, synthetic, to_scan, turned_over, values};
+use common::{
+    assert_only_appended, cut, holed, loops, real, synthetic, to_scan, turned_over, values,
+};
 use nalgebra::{Point3, Vector3};
 use relievo::base::{BaseChoice, BaseKind, BaseSurface, FitParams};
 use relievo::completion::{
@@ -15,15 +15,15 @@ use relievo::completion::{
 };
 use relievo::mesh::{Adjacency, LoopKind, TriMesh, check, euler_characteristic, triangle_area};
 use relievo::sampling::SpacingRule;
-use relievo::scan::{Format, Scan, WriteOptions, read, write_to};
+use relievo::scan::{Column, Format, Scan, WriteOptions, write_to};
 use relievo::stats;
 use relievo::synth::{Kind, Part};
 
 /// For tests to which the quality of the matches does not matter.
 fn quick() -> CompleteParams {
     CompleteParams {
-        window: 2,
-        rotations: 1,
+        window: Some(2),
+        rotations: Some(1),
         ..CompleteParams::default()
     }
 }
@@ -515,7 +515,7 @@ fn options_that_steer_the_search_give_whole_results() {
                 ..quick()
             },
             CompleteParams {
-                error_threshold: 1e-6,
+                error_threshold: Some(1e-6),
                 ..quick()
             },
         ];
@@ -523,7 +523,9 @@ fn options_that_steer_the_search_give_whole_results() {
             let (completion, mesh) = completed(&scan, &params);
             assert_eq!(holes_in(&mesh), 0, "{params:?}");
             assert_colors_in_range(&scan, &completion);
-            let low_threshold = params.error_threshold < 0.1;
+            let low_threshold = params
+                .error_threshold
+                .is_some_and(|threshold| threshold < 0.1);
             // After least squares hardly any two matches cost the same to a tenth, and what continues a
             // source that is no longer than a few edges seldom leads to new samples.
             let seldom = method == Method::Coherent && (params.tolerance < 0.1 || params.bootstrap);
@@ -556,6 +558,72 @@ fn the_result_does_not_depend_on_the_number_of_threads() {
             let with_one = bytes(1);
             assert!(with_one == bytes(2), "{kind} {method:?}");
             assert!(with_one == bytes(8), "{kind} {method:?}");
+        }
+    }
+}
+
+/// RMS over the rim's new vertices of how far they are from the mean of their neighbors.
+fn roughness_at_the_rim(completion: &Completion, mesh: &TriMesh) -> f64 {
+    let heights = values(&completion.scan, "height");
+    let first = completion.report.counts.original_vertices;
+    let neighbors = Adjacency::new(mesh).neighbors;
+    let bends: Vec<f64> = (first..heights.len())
+        .filter(|v| neighbors.row(*v).iter().any(|n| (*n as usize) < first))
+        .map(|v| {
+            let row = neighbors.row(v);
+            let mean = row.iter().map(|n| heights[*n as usize]).sum::<f64>() / row.len() as f64;
+            (heights[v] - mean).powi(2)
+        })
+        .collect();
+    (bends.iter().sum::<f64>() / bends.len() as f64).sqrt()
+}
+
+#[test]
+fn copied_patches_are_fitted_to_the_scan_unless_told_otherwise() {
+    let scan = holed(Kind::Noise);
+    let with = |blend: bool, method: Method| {
+        let params = CompleteParams {
+            blend: Some(blend),
+            method,
+            ..CompleteParams::default()
+        };
+        completed(&scan, &params)
+    };
+    let [fitted, copied] = [true, false].map(|blend| {
+        let (completion, mesh) = with(blend, Method::Coherent);
+        roughness_at_the_rim(&completion, &mesh)
+    });
+    assert!(fitted < 0.9 * copied, "{fitted} after {copied}");
+    let [fitted, copied] = [true, false].map(|blend| with(blend, Method::Exhaustive).0);
+    // The same sources, at other heights.
+    assert!(values(&fitted.scan, SOURCE) == values(&copied.scan, SOURCE));
+    assert!(values(&fitted.scan, "height") != values(&copied.scan, "height"));
+    let quick = |blend: bool| CompleteParams {
+        blend: Some(blend),
+        method: Method::Paper,
+        ..quick()
+    };
+    let [asked, not] = [true, false].map(|blend| as_ply(&completed(&scan, &quick(blend)).0.scan));
+    assert!(asked == not, "the paper's method copies");
+}
+
+#[test]
+fn further_channels_come_from_where_the_relief_does() {
+    let mut scan = holed(Kind::GolfBall);
+    let rows = u16::try_from(scan.vertices.rows).unwrap();
+    let intensity = (0..rows).map(|row| f32::from(row) + 0.25).collect();
+    (scan.vertices).set_channel("intensity", Column::F32(intensity));
+    (scan.vertices).set_channel("label", Column::U16((0..rows).rev().collect()));
+    for method in [Method::Coherent, Method::Exhaustive] {
+        let params = CompleteParams { method, ..quick() };
+        let made = completed(&scan, &params).0.scan;
+        let [sources, intensity, label] =
+            [SOURCE, "intensity", "label"].map(|name| values(&made, name));
+        let first = usize::from(rows);
+        assert!(made.vertices.rows > first);
+        for row in first..made.vertices.rows {
+            assert!((intensity[row] - sources[row] - 0.25).abs() < 1e-9, "{row}");
+            assert!((label[row] + sources[row] + 1.0 - f64::from(rows)).abs() < 1e-9);
         }
     }
 }
@@ -729,7 +797,7 @@ fn a_length_sets_the_spacing() {
     let scan = holed(Kind::Waves);
     let vertices = |length: f64| {
         let params = CompleteParams {
-            spacing: SpacingRule::Length(length),
+            spacing: Some(SpacingRule::Length(length)),
             ..quick()
         };
         completed(&scan, &params).0.report.counts.completed_vertices
@@ -740,23 +808,6 @@ fn a_length_sets_the_spacing() {
         (2 * coarse..=7 * coarse).contains(&fine),
         "{coarse} and {fine}"
     );
-}
-
-/// A file of the real data, or `None` with a message that says so.
-fn real(name: &str) -> Option<Scan> {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("../shared/data")
-        .join(name);
-    if path.exists() {
-        return Some(read(&path).expect("the file can be read"));
-    }
-    // Written past the test harness, which would hide it.
-    let _ = writeln!(
-        std::io::stderr(),
-        "SKIPPED: {} is not there",
-        path.display()
-    );
-    None
 }
 
 #[test]

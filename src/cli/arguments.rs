@@ -33,6 +33,30 @@ pub(super) fn base(text: &str) -> Result<BaseChoice, String> {
     })
 }
 
+/// A base surface, or free form.
+pub(super) fn form(text: &str) -> Result<BaseChoice, String> {
+    match text {
+        "freeform" => Ok(BaseChoice::FreeForm),
+        _ => base(text).map_err(|expected| expected.replace(" or cone", ", cone or freeform")),
+    }
+}
+
+pub(super) fn yes_or_no(text: &str) -> Result<bool, String> {
+    match text {
+        "yes" => Ok(true),
+        "no" => Ok(false),
+        _ => Err("expected yes or no".into()),
+    }
+}
+
+/// A positive length in the scan's unit.
+pub(super) fn length(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(length) if length > 0.0 && length.is_finite() => Ok(length),
+        _ => Err("expected a positive length in the scan's unit".into()),
+    }
+}
+
 pub(super) fn holes(text: &str) -> Result<HoleChoice, String> {
     Ok(match text {
         "interior" => HoleChoice::Interior,

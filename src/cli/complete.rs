@@ -25,10 +25,7 @@ pub(super) struct Arguments {
     /// The completed scan: .ply, .obj or .stl; - for PLY on standard output
     #[arg(short, long, value_name = "OUT")]
     pub(super) output: PathBuf,
-    /// Base surface under the relief: auto, plane, sphere, cylinder or cone
-    #[arg(long, value_name = "KIND", default_value = "auto", value_parser = arguments::base)]
-    base: BaseChoice,
-    /// What to fill: interior (gaps, not outer rims), all (rims too, where the base closes), largest,
+    /// What to fill: interior (gaps, not outer rims), all (rims too, where a base surface closes), largest,
     /// or numbers from `relievo holes`, as in 3,7
     #[arg(long, value_name = "WHICH", default_value = "interior", value_parser = arguments::holes)]
     holes: HoleChoice,
@@ -36,9 +33,41 @@ pub(super) struct Arguments {
     /// between the scan's ends, of the plane's bounding rectangle
     #[arg(long)]
     extend: bool,
+    #[command(flatten)]
+    pub(super) how: How,
+    /// Write PLY as text
+    #[arg(long)]
+    ascii: bool,
+    /// Allow OUT to be the same file as IN
+    #[arg(long)]
+    overwrite: bool,
+}
+
+/// How to complete, whatever is to be filled: the options that `evaluate` has as well.
+#[derive(Debug, Args)]
+pub(super) struct How {
+    /// Base surface under the relief: auto, plane, sphere, cylinder, cone or freeform (what auto takes
+    /// for holes where none of the others fits)
+    #[arg(long, value_name = "KIND", default_value = "auto", value_parser = arguments::form)]
+    base: BaseChoice,
+    /// Freeform base: what is longer than this is form, what is shorter relief, in the scan's unit
+    /// [default: where heights depend on it least]
+    #[arg(long, value_name = "LENGTH", value_parser = arguments::length)]
+    form_wavelength: Option<f64>,
     /// How to find matches
     #[arg(long, value_enum, default_value_t = MethodName::Coherent)]
     method: MethodName,
+    /// Fit copied patches to each other and to the scan where they meet in steps [default: on relief that
+    /// hardly changes from vertex to vertex] (not by the paper's method)
+    #[arg(
+        long,
+        value_name = "yes|no",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "yes",
+        value_parser = arguments::yes_or_no
+    )]
+    blend: Option<bool>,
     /// Coherent method: a place that continues a neighbor's source is taken unless another costs less
     /// than 1/(1 + KAPPA) of it, and at once where it fits better than good matches do
     #[arg(
@@ -65,12 +94,14 @@ pub(super) struct Arguments {
     /// places
     #[arg(long, value_name = "SIZE", default_value = "2GiB", value_parser = arguments::memory)]
     memory: usize,
-    /// Radius of a neighborhood, in edges
-    #[arg(long, value_name = "W", default_value_t = 5)]
-    window: usize,
-    /// Number of rotations in which a neighborhood is tried
-    #[arg(long, value_name = "R", default_value_t = 4)]
-    rotations: u32,
+    /// Radius of a neighborhood, in edges; the coherent and the exhaustive method see half as densely from
+    /// 4/5 of it to 8/5 [default: by the relief's correlation length; paper: 5]
+    #[arg(long, value_name = "W")]
+    window: Option<usize>,
+    /// Number of rotations in which a neighborhood is tried [default: by the relief's directions;
+    /// paper: 4]
+    #[arg(long, value_name = "R")]
+    rotations: Option<u32>,
     /// Pick at random among matches that cost up to this share more than the best: 0.1 is 10 %
     #[arg(
         long,
@@ -80,31 +111,20 @@ pub(super) struct Arguments {
     )]
     tolerance: f64,
     /// Largest normalised cost (0 to 1) of a match that is accepted at first; rises by 10 % when
-    /// nothing is
-    #[arg(
-        long,
-        value_name = "E",
-        default_value_t = 0.3,
-        allow_negative_numbers = true
-    )]
-    error_threshold: f64,
-    /// μ in (1 − μ)·shape + μ·colour: 0 matches by shape alone, 1 by colour alone [default: 0.5 with
-    /// colours, 0 without]
+    /// nothing is [default: by the relief's spread; paper: 0.3]
+    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    error_threshold: Option<f64>,
+    /// μ in (1 − μ)·shape + μ·colour: 0 matches by shape alone, 1 by colour alone [default: by how
+    /// height and colour vary; paper: 0.5; 0 without colours]
     #[arg(long, value_name = "MU", allow_negative_numbers = true)]
     shape_weight: Option<f64>,
     /// Distance of new vertices: nyquist (the scan's short edges), scan (its median edge), or a
-    /// length in the scan's unit
-    #[arg(long, value_name = "RULE", default_value = "nyquist", value_parser = arguments::spacing)]
-    spacing: SpacingRule,
+    /// length in the scan's unit [default: nyquist]
+    #[arg(long, value_name = "RULE", value_parser = arguments::spacing)]
+    spacing: Option<SpacingRule>,
     /// Let completed vertices become samples
     #[arg(long)]
     bootstrap: bool,
-    /// Write PLY as text
-    #[arg(long)]
-    ascii: bool,
-    /// Allow OUT to be the same file as IN
-    #[arg(long)]
-    overwrite: bool,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -121,13 +141,24 @@ enum MethodName {
 impl Arguments {
     pub(super) fn params(&self, seed: u32) -> CompleteParams {
         CompleteParams {
+            holes: self.holes.clone(),
+            extend: self.extend,
+            ..self.how.params(seed)
+        }
+    }
+}
+
+impl How {
+    pub(super) fn params(&self, seed: u32) -> CompleteParams {
+        CompleteParams {
             fit: FitParams {
                 base: self.base,
                 seed,
                 ..FitParams::default()
             },
-            holes: self.holes.clone(),
-            extend: self.extend,
+            form_wavelength: self.form_wavelength,
+            holes: HoleChoice::default(),
+            extend: false,
             window: self.window,
             rotations: self.rotations,
             tolerance: self.tolerance,
@@ -140,6 +171,7 @@ impl Arguments {
                 MethodName::Exhaustive => Method::Exhaustive,
                 MethodName::Paper => Method::Paper,
             },
+            blend: self.blend,
             coherence: self.coherence,
             sites: self.sites,
             audit: self.audit,
@@ -193,19 +225,23 @@ fn work(
         );
         return Err(anyhow::Error::msg(message).into());
     }
-    match stats::compare(&completion.scan) {
-        Ok(comparison) => {
-            known.insert("statistics".into(), json!(comparison));
-        }
-        // A fill without new vertices, or on bases of their own only, has nothing to compare.
-        Err(error) => log::info!("no statistics: {error}"),
-    }
     let options = WriteOptions {
         ascii: arguments.ascii,
     };
     let name = output.name().to_owned();
     scan::write_to(&completion.scan, &mut output, format, &options, &name)?;
     output.commit()?;
+    // After the scan is safe: they take time and memory of their own.
+    // On free form they would take another solve as long as all the rest: `relievo stats` has them.
+    if report.base_fits {
+        match stats::compare(&completion.scan) {
+            Ok(comparison) => {
+                known.insert("statistics".into(), json!(comparison));
+            }
+            // A fill without new vertices has nothing to compare.
+            Err(error) => log::info!("no statistics: {error}"),
+        }
+    }
     tell(report, common);
     Ok(Reply {
         partly: !report.skipped.is_empty(),
@@ -237,15 +273,7 @@ fn tell(report: &CompletionReport, common: &Common) {
     let counts = &report.counts;
     let mut text = format!(
         "relievo: {}; {} of {} chosen gap(s) filled with {} vertices and {} faces",
-        if report.base_fits {
-            format!(
-                "{} base, relief {:.4} (RMS)",
-                report.fit.base.kind(),
-                report.fit.inlier_rms
-            )
-        } else {
-            "no single base surface fits, each hole has its own".to_owned()
-        },
+        base_in_words(report),
         report.filled.len(),
         report.filled.len() + report.skipped.len(),
         counts.completed_vertices,
@@ -271,6 +299,27 @@ fn tell(report: &CompletionReport, common: &Common) {
     text.push('\n');
     // Nowhere is left to report that standard error is closed.
     let _ = std::io::Write::write_all(&mut std::io::stderr(), text.as_bytes());
+}
+
+fn base_in_words(report: &CompletionReport) -> String {
+    match &report.free_form {
+        Some(form) if report.base_fits => format!(
+            "{} base, relief {:.4} (RMS); off it free form (wavelength {:.4})",
+            report.fit.base.kind(),
+            report.fit.inlier_rms,
+            form.wavelength
+        ),
+        Some(form) => format!(
+            "free-form base (wavelength {:.4}), relief {:.4} (RMS)",
+            form.wavelength, form.rms
+        ),
+        None if report.base_fits => format!(
+            "{} base, relief {:.4} (RMS)",
+            report.fit.base.kind(),
+            report.fit.inlier_rms
+        ),
+        None => "no single base surface fits".to_owned(),
+    }
 }
 
 /// The loops left open with the reason, those with the same reason together.

@@ -142,9 +142,26 @@ mod tests {
         let all = params(
             "relievo complete in.ply -o out.ply --base auto --holes interior --method coherent \
              --coherence 0.3 --sites 8192 --memory 2GiB --audit 0 \
-             --window 5 --rotations 4 --tolerance 0.1 --error-threshold 0.3 --spacing nyquist",
+             --tolerance 0.1",
         );
         assert_eq!(all, default);
+        let blend =
+            |options: &str| params(&format!("relievo complete in.ply -o out.ply {options}")).blend;
+        assert_eq!(blend("--blend"), Some(true));
+        assert_eq!(blend("--blend=no"), Some(false));
+        let given = params(
+            "relievo complete in.ply -o out.ply --window 5 --rotations 4 --error-threshold 0.3 \
+             --shape-weight 0.5 --spacing nyquist",
+        );
+        let as_in_paper = relievo::completion::CompleteParams {
+            window: Some(5),
+            rotations: Some(4),
+            error_threshold: Some(0.3),
+            mu: Some(0.5),
+            spacing: Some(relievo::sampling::SpacingRule::Nyquist),
+            ..default
+        };
+        assert_eq!(given, as_in_paper);
     }
 
     #[test]

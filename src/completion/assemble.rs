@@ -1,9 +1,7 @@
 //! The completed scan: originals, then what was added, and the channels that tell them apart.
 
 use nalgebra::{Point3, Vector3};
-use serde::{Deserialize, Serialize};
 
-use crate::base::BaseSurface;
 use crate::mesh::vertex_normals;
 use crate::scan::{Added, Column, RANGE_GRID, Scan};
 
@@ -123,32 +121,4 @@ fn rename_foreign_channels(scan: &mut Scan) {
             channel.name = name;
         }
     }
-}
-
-/// Start of the comment line that says which base surface the heights are over.
-const BASE_COMMENT: &str = "relievo base ";
-
-/// What a completed scan's heights are over.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct RememberedBase {
-    /// The base surface.
-    pub surface: BaseSurface,
-    /// Largest absolute height that counts as relief, in the scan's unit.
-    pub reach: f64,
-}
-
-pub(super) fn remember_base(scan: &mut Scan, base: &RememberedBase) {
-    scan.comments.retain(|line| !line.starts_with(BASE_COMMENT));
-    match serde_json::to_string(base) {
-        Ok(json) => scan.comments.push(format!("{BASE_COMMENT}{json}")),
-        Err(error) => log::warn!("the base surface is not written down: {error}"),
-    }
-}
-
-/// The base surface that a completed scan's heights are over, if its comments tell.
-#[must_use]
-pub fn remembered_base(scan: &Scan) -> Option<RememberedBase> {
-    (scan.comments.iter())
-        .find_map(|line| line.strip_prefix(BASE_COMMENT))
-        .and_then(|json| serde_json::from_str(json).ok())
 }

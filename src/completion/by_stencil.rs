@@ -2,20 +2,19 @@
 
 use rayon::prelude::*;
 
-use crate::base::BaseSurface;
 use crate::matching::coherent::{self, Search, continuation};
 use crate::matching::exemplar::{Exemplar, ExemplarParams, least_bytes};
 use crate::matching::exhaustive;
 use crate::matching::query::{Found, Origin, Query};
-use crate::mesh::TriMesh;
 use crate::neighborhood::{
-    Among, Channels, Descriptor, Frame, Place, Stencil, Surface, View, Walker, local_frames,
+    Among, Channels, Descriptor, Frame, Place, Stencil, Surface, View, Walker,
 };
 use crate::rng::{Rng, Stage};
 
 use super::audit::{Audit, Verdict};
 use super::growth::{Canvas, Copied, Matcher, Wanted};
 use super::report::Searched;
+use super::smooth_part::SmoothPart;
 
 /// How to match on a stencil.
 #[derive(Debug, Clone, Copy)]
@@ -39,7 +38,6 @@ pub(super) struct StencilParams {
 /// A matcher on a stencil.
 pub(super) struct ByStencil {
     params: StencilParams,
-    base: BaseSurface,
     surface: Surface,
     stencil: Stencil,
     channels: Channels,
@@ -47,8 +45,7 @@ pub(super) struct ByStencil {
     exemplar: Exemplar,
     audit: Option<Audit>,
     frames: Vec<Frame>,
-    /// By vertex: the height without what changes from vertex to vertex.
-    smooth: Vec<f64>,
+    smooth: SmoothPart,
     /// By target: where it was copied from.
     sources: Vec<Option<Place>>,
     searched: Searched,
@@ -105,23 +102,19 @@ impl Scale {
 }
 
 impl ByStencil {
-    /// Over the surface of `triangles` (scanned and new) of the canvas, copying from the vertices that
-    /// are `samples`.
+    /// Over the base under scan and targets, with a frame for each vertex of the canvas, copying from the
+    /// vertices that are `samples`.
     ///
     /// # Errors
     /// In words, if there are no samples, or the memory does not hold the neighborhoods of one.
     pub(super) fn new(
         canvas: &Canvas,
-        base: &BaseSurface,
-        triangles: Vec<[u32; 3]>,
+        frames: Vec<Frame>,
+        surface: Surface,
         samples: &[bool],
         params: StencilParams,
     ) -> Result<Self, String> {
-        let surface = Surface::new(TriMesh {
-            positions: canvas.relief.feet.clone(),
-            triangles,
-        });
-        let stencil = Stencil::disc(params.window, params.spacing);
+        let stencil = Stencil::two_scales(params.window, params.spacing);
         let scale = Scale::new(canvas, samples, params.mu);
         let count = scale.channels(canvas, 0).1;
         let mut channels = Channels::new(canvas.points.len(), count);
@@ -134,14 +127,13 @@ impl ByStencil {
             let (values, count) = scale.channels(canvas, v);
             channels.set(v, &values[..count], among);
         }
-        let frames = local_frames(base, &canvas.relief.normals);
         let view = View {
             surface: &surface,
             channels: &channels,
             stencil: &stencil,
             among: Among::Samples,
         };
-        let sites = |oversampled| sites(&view, canvas, base, &frames, oversampled);
+        let sites = |oversampled| sites(&view, &frames, oversampled);
         let exemplar = Exemplar::new(&view, sites(!params.coherent), &params.exemplar)
             .ok_or_else(|| nothing_to_copy(&view, &params.exemplar))?;
         // Against samples that become more an audit would compare with too few.
@@ -161,9 +153,8 @@ impl ByStencil {
         };
         Ok(Self {
             sources: vec![None; canvas.points.len() - canvas.first_target],
-            smooth: smooth_heights(canvas, samples),
+            smooth: SmoothPart::new(canvas, samples),
             params,
-            base: *base,
             scale,
             exemplar,
             audit,
@@ -227,7 +218,12 @@ impl ByStencil {
         let v = canvas.first_target + wanted.target;
         let axis = &self.frames[v].axes[0];
         let place = self.surface.at_vertex(super::index(v), axis)?;
-        let count = self.stencil.within(wanted.window);
+        // A target that was skipped sees no farther than its window.
+        let count = if wanted.window < self.params.window {
+            self.stencil.within(wanted.window)
+        } else {
+            self.stencil.len()
+        };
         walker.gather(&self.view(Among::Known), &place, count, known);
         Some(())
     }
@@ -321,14 +317,22 @@ impl ByStencil {
         if !corners.iter().all(|v| self.channels.is(*v, Among::Samples)) {
             return height;
         }
-        let smooth: f64 = (corners.iter().zip(self.surface.barycentric(place)))
-            .map(|(v, weight)| f64::from(weight) * self.smooth[*v as usize])
-            .sum();
+        let weights = self.surface.barycentric(place);
+        let rise = (self.smooth).rise(&canvas.relief.feet, measured, corners, weights);
         let around = (canvas.adjacency.neighbors.row(measured as usize).iter())
             .filter(|n| self.channels.is(**n, Among::Samples))
             .map(|n| canvas.relief.heights[*n as usize]);
         let [low, high] = around.fold([height; 2], |[low, high], h| [low.min(h), high.max(h)]);
-        (height + smooth - self.smooth[measured as usize]).clamp(low, high)
+        (height + rise).clamp(low, high)
+    }
+
+    /// The height that the source of target vertex `v` shows at vertex `n`: what would be copied to `n` if
+    /// it continued that source. `None` where samples end before.
+    pub(super) fn continued_height(&self, canvas: &Canvas, v: usize, n: usize) -> Option<f64> {
+        let source = self.sources[v.checked_sub(canvas.first_target)?]?;
+        let [from, to] = [v, n].map(|v| (&canvas.relief.feet[v], &self.frames[v]));
+        let place = continuation(&self.surface, &source, from, to)?;
+        Some(self.height(canvas, self.measured_vertex(&place)?, &place))
     }
 
     /// The sample nearest to a place. What is copied are its values as they were measured.
@@ -340,22 +344,6 @@ impl ByStencil {
             .max_by(|a, b| a.1.total_cmp(&b.1))
             .map(|(v, _)| v)
     }
-}
-
-/// Mean height of each sample and the samples next to it.
-fn smooth_heights(canvas: &Canvas, samples: &[bool]) -> Vec<f64> {
-    let heights = &canvas.relief.heights;
-    let mean = |v: usize| {
-        let ring = (canvas.adjacency.neighbors.row(v).iter()).map(|n| *n as usize);
-        let (sum, count) = (ring.filter(|n| samples[*n]))
-            .fold((heights[v], 1.0), |(sum, count), n| {
-                (sum + heights[n], count + 1.0)
-            });
-        sum / count
-    };
-    (0..heights.len())
-        .map(|v| if samples[v] { mean(v) } else { 0.0 })
-        .collect()
 }
 
 /// Why there is no exemplar.
@@ -372,45 +360,35 @@ fn nothing_to_copy(view: &View, params: &ExemplarParams) -> String {
 }
 
 /// All samples as places; oversampled, with the places between them.
-fn sites(
-    view: &View,
-    canvas: &Canvas,
-    base: &BaseSurface,
-    frames: &[Frame],
-    oversampled: bool,
-) -> Vec<Place> {
+fn sites(view: &View, frames: &[Frame], oversampled: bool) -> Vec<Place> {
     let mut sites: Vec<Place> = (frames.iter().zip(0u32..))
         .filter(|(_, v)| view.channels.is(*v, Among::Samples))
         .filter_map(|(frame, v)| view.surface.at_vertex(v, &frame.axes[0]))
         .collect();
     if oversampled {
-        sites.extend(edge_sites(view, canvas, base));
+        sites.extend(edge_sites(view, frames));
     }
     sites
 }
 
 /// The middles of all edges between samples: with the vertices the places that the paper's oversampling
 /// by 1-to-4 subdivision searches.
-fn edge_sites(view: &View, canvas: &Canvas, base: &BaseSurface) -> Vec<Place> {
-    let between_samples = |(triangle, ends): &(u32, [usize; 2])| {
-        let corners = view.surface.corners(*triangle);
-        ends.iter()
-            .all(|end| view.channels.is(corners[*end], Among::Samples))
-    };
-    let (edges, normals): (Vec<_>, Vec<_>) = (view.surface.edges())
-        .filter(between_samples)
+fn edge_sites(view: &View, frames: &[Frame]) -> Vec<Place> {
+    (view.surface.edges())
         .filter_map(|(triangle, ends)| {
             let corners = view.surface.corners(triangle);
-            let [a, b] = ends.map(|end| canvas.relief.normals[corners[end] as usize]);
-            Some(((triangle, ends), (a + b).try_normalize(0.0)?))
-        })
-        .unzip();
-    (edges.into_iter().zip(local_frames(base, &normals)))
-        .filter_map(|((triangle, ends), frame)| {
+            let between_samples =
+                (ends.iter()).all(|end| view.channels.is(corners[*end], Among::Samples));
+            if !between_samples {
+                return None;
+            }
+            let [a, b] = ends.map(|end| frames[corners[end] as usize].axes[0]);
+            // Where the frames jump there is no direction between them.
+            let axis = if a.dot(&b) > 0.0 { a + b } else { a };
             let mut weights = [0.0; 3];
             weights[ends[0]] = 0.5;
             weights[ends[1]] = 0.5;
-            view.surface.in_triangle(triangle, weights, &frame.axes[0])
+            view.surface.in_triangle(triangle, weights, &axis)
         })
         .collect()
 }
@@ -467,10 +445,10 @@ impl Matcher for ByStencil {
                 (self.channels).set(v, &values[..count], &[Among::Known, Among::Samples]);
             }
         }
-        self.smooth = smooth_heights(canvas, &canvas.known);
+        self.smooth = SmoothPart::new(canvas, &canvas.known);
         let view = self.view(Among::Samples);
         let oversampled = !self.params.coherent;
-        let sites = sites(&view, canvas, &self.base, &self.frames, oversampled);
+        let sites = sites(&view, &self.frames, oversampled);
         if let Some(renewed) = Exemplar::new(&view, sites, &self.params.exemplar) {
             self.searched.sites = renewed.sites().len();
             self.searched.sites_offered = renewed.offered();

@@ -35,6 +35,16 @@ pub enum CompletionError {
         /// Diagonal of the scan.
         size: f64,
     },
+    /// The paper's search looks up nearest points of the base.
+    #[error(
+        "--method paper needs a plane, sphere, cylinder or cone: choose another --base or --method"
+    )]
+    FreeFormByPaper,
+    /// Beyond its rim free form is not known.
+    #[error(
+        "--extend needs a base surface that goes on beyond the scan: choose another --base than freeform"
+    )]
+    FreeFormHasNoEnd,
     /// There is nothing to do.
     #[error("it has no boundary: the surface is closed, nothing is missing")]
     Closed,

@@ -1,6 +1,6 @@
 //! Which boundary loops to fill, grouped into gaps.
 
-use crate::base::BaseSurface;
+use crate::base::{BaseSurface, Form};
 use crate::mesh::{BoundaryLoop, LoopKind};
 use crate::sampling::{Gap, is_bounded};
 
@@ -43,7 +43,7 @@ pub(super) fn choose(
 #[derive(Debug)]
 pub(super) struct Plan {
     pub(super) on_base: Vec<NumberedGap>,
-    /// Holes to be filled on a base surface of their own.
+    /// Holes to be filled on free form, or on a base surface of their own.
     pub(super) off_base: Vec<NumberedGap>,
     pub(super) skipped: Vec<SkippedHole>,
 }
@@ -101,7 +101,7 @@ pub(super) fn plan(
 }
 
 fn is_sphere(patch: &Patch) -> bool {
-    matches!(patch.base, BaseSurface::Sphere(_))
+    matches!(patch.form, Form::Primitive(BaseSurface::Sphere(_)))
 }
 
 fn broken(id: usize, [a, b]: [u32; 2]) -> SkippedHole {
@@ -139,9 +139,10 @@ fn single_gap(input: &Input, id: usize) -> NumberedGap {
 /// Rims that face each other around a column: neither is a hole by itself, but between them the
 /// wall is missing.
 fn ring_gaps(input: &Input, whole: &Patch) -> Vec<usize> {
-    if !matches!(whole.base, BaseSurface::Cylinder(_) | BaseSurface::Cone(_)) {
+    let Form::Primitive(base @ (BaseSurface::Cylinder(_) | BaseSurface::Cone(_))) = &whole.form
+    else {
         return Vec::new();
-    }
+    };
     (input.loops.iter())
         .filter(|l| l.kind == LoopKind::Rim && l.defect.is_none())
         .filter(|l| lies_on(whole, l))
@@ -151,8 +152,8 @@ fn ring_gaps(input: &Input, whole: &Patch) -> Vec<usize> {
                 islands: Vec::new(),
                 ..with_others.clone()
             };
-            !is_bounded(&whole.base, &whole.relief, &alone)
-                && is_bounded(&whole.base, &whole.relief, &with_others)
+            !is_bounded(base, &whole.relief, &alone)
+                && is_bounded(base, &whole.relief, &with_others)
         })
         .map(|l| l.id)
         .collect()

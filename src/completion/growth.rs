@@ -25,7 +25,9 @@ pub(super) struct Canvas {
     pub(super) points: Vec<Point3<f64>>,
     /// Colours in [0, 1], where the scan has any.
     pub(super) colors: Option<Vec<[f64; 3]>>,
-    /// Neighbors over scanned and new triangles.
+    /// Scanned and new triangles.
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// Neighbors over them.
     pub(super) adjacency: Adjacency,
     /// Whether a vertex may be looked at: scanned and on the base, or completed.
     pub(super) known: Vec<bool>,

@@ -8,21 +8,33 @@
 
 mod assemble;
 mod audit;
+mod blend;
 mod by_paper;
 mod by_stencil;
+mod correlation;
 mod error;
+mod free_form;
 mod gaps;
 mod growth;
+mod noted;
 mod own_base;
 mod params;
 mod patch;
 mod report;
+mod smooth_part;
+mod suited;
 mod surroundings;
 
-pub use assemble::{COMPLETED, HEIGHT, RememberedBase, SOURCE, remembered_base};
+pub use assemble::{COMPLETED, HEIGHT, SOURCE};
 pub use error::CompletionError;
+pub use noted::{
+    RememberedBase, RememberedFreeForm, noted_relief, remembered_base, remembered_free_form,
+};
 pub use params::{CompleteParams, HoleChoice, Method};
-pub use report::{CompletionReport, Counts, FilledHole, Recall, Searched, SkippedHole, StageTime};
+pub use report::{
+    Chosen, CompletionReport, Counts, FilledHole, FreeFormReport, Recall, Searched, SkippedHole,
+    StageTime,
+};
 
 use std::borrow::Cow;
 use std::time::Instant;
@@ -30,13 +42,14 @@ use std::time::Instant;
 use nalgebra::Vector3;
 
 use crate::base::{self, BaseChoice, FitReport};
-use crate::mesh::{Adjacency, BoundaryLoop, TriMesh, boundary_loops};
+use crate::mesh::{Adjacency, BoundaryLoop, LoopKind, TriMesh, boundary_loops, bounding_diagonal};
 use crate::relief;
 use crate::sampling::{EdgeSpacing, edge_spacing};
 use crate::scan::Scan;
 
-use assemble::{assemble, earlier_marks, remember_base};
-use patch::{Added as AddedGap, Patch};
+use assemble::{assemble, earlier_marks};
+use noted::remember;
+use patch::{Added as AddedGap, NumberedGap, Patch};
 
 /// A completed scan.
 #[derive(Debug, Clone)]
@@ -62,7 +75,8 @@ pub struct Progress {
 /// Completes the scan's missing parts with relief and colour.
 ///
 /// Holes that lie off the scan's base surface (all, if no kind of base surface fits the whole scan)
-/// are completed on a base surface of their own, fitted to their surroundings. Holes that cannot be filled are reported in
+/// are completed on free form, or by the paper's method each on a base surface of its own, fitted to its
+/// surroundings. Holes that cannot be filled are reported in
 /// [`CompletionReport::skipped`]; that is no error.
 ///
 /// # Errors
@@ -75,7 +89,7 @@ pub fn complete(
     params.check()?;
     let mut clock = Clock::new(progress);
     let (input, fit, origin) = prepare(scan, params, &mut clock)?;
-    let base_fits = fit.fits();
+    let base_fits = fit.fits() && params.fit.base != BaseChoice::FreeForm;
     let chosen = gaps::choose(&input.loops, params)?;
     let whole = base_fits.then(|| Patch::whole(&input, &fit));
     if (whole.as_ref()).is_some_and(|whole| whole.triangles.is_empty()) {
@@ -91,24 +105,43 @@ pub fn complete(
         skipped: plan.skipped,
         ..Work::default()
     };
+    if params.method != Method::Paper {
+        work.chosen.push(suited::spacing(params, &input.spacing));
+    }
     if let Some(whole) = &whole {
         whole.complete(&input, plan.on_base, params, &mut work, &mut clock);
     }
-    for gap in plan.off_base {
-        own_base::complete_on_own_base(&input, &gap, params, &mut work, &mut clock);
+    let mut free_form = None;
+    if params.method == Method::Paper {
+        for gap in plan.off_base {
+            own_base::complete_on_own_base(&input, &gap, params, &mut work, &mut clock);
+        }
+    } else {
+        // Free form has no end that would tell how to close what is outside of a rim.
+        let (gaps, rims): (Vec<NumberedGap>, Vec<_>) = plan.off_base.into_iter().partition(|gap| {
+            params.holes != HoleChoice::All || input.loops[gap.rim_ids[0]].kind == LoopKind::Hole
+        });
+        work.skipped.extend(rims.into_iter().map(|gap| SkippedHole {
+            loops: gap.rim_ids,
+            reason: "it is an outer rim, and no base surface closes behind it; to close it all the same give its number to --holes".to_owned(),
+        }));
+        if !gaps.is_empty() {
+            free_form =
+                free_form::complete_on_free_form(&input, &gaps, params, &mut work, &mut clock);
+        }
     }
-    let heights = match &whole {
-        Some(whole) => whole.relief.heights.clone(),
-        None => vec![f64::NAN; input.mesh.positions.len()],
+    let heights = match (&whole, &free_form) {
+        (Some(whole), _) => whole.relief.heights.clone(),
+        (None, Some(free_form)) => free_form.heights.clone(),
+        (None, None) => vec![f64::NAN; input.mesh.positions.len()],
     };
     let mut scan = assemble(scan, &input, heights, &work, &origin);
-    if base_fits {
-        let base = RememberedBase {
-            surface: fit.base.translated(origin),
-            reach: relief::reach(&fit),
-        };
-        remember_base(&mut scan, &base);
-    }
+    let base = base_fits.then(|| RememberedBase {
+        surface: fit.base.translated(origin),
+        reach: relief::reach(&fit),
+    });
+    let noted = free_form.as_ref().filter(|_| !base_fits);
+    remember(&mut scan, base.as_ref(), noted.map(|done| &done.remembered));
     clock.end("assemble");
     let seconds = clock.stages;
     let counts = Counts {
@@ -128,6 +161,8 @@ pub fn complete(
         skipped: work.skipped,
         counts,
         searched: work.searched,
+        chosen: work.chosen,
+        free_form: free_form.as_ref().map(free_form::FreeFormDone::report),
         seconds,
     };
     report.translate(origin);
@@ -153,7 +188,8 @@ fn prepare(
         &scanned_triangles(&mesh, &scanned),
         &params.fit,
     )?;
-    if !fit.fits() && (params.extend || params.fit.base != BaseChoice::Auto) {
+    check_wavelength(params, &mesh)?;
+    if !fit.fits() && (params.extend || matches!(params.fit.base, BaseChoice::Kind(_))) {
         return Err(CompletionError::BaseDoesNotFit {
             kind: fit.base.kind(),
             rms: fit.inlier_rms,
@@ -161,8 +197,9 @@ fn prepare(
         });
     }
     clock.end("fit");
+    let rule = params.spacing.unwrap_or_default();
     let input = Input {
-        spacing: edge_spacing(&mesh, params.spacing).ok_or(CompletionError::NoFaces)?,
+        spacing: edge_spacing(&mesh, rule).ok_or(CompletionError::NoFaces)?,
         mesh,
         adjacency,
         loops,
@@ -170,6 +207,19 @@ fn prepare(
         scanned,
     };
     Ok((input, fit, origin))
+}
+
+/// What is longer than the scan cannot be told apart in it.
+fn check_wavelength(params: &CompleteParams, mesh: &TriMesh) -> Result<(), CompletionError> {
+    let diagonal = bounding_diagonal(&mesh.positions);
+    match params.form_wavelength {
+        Some(wavelength) if wavelength > diagonal => Err(CompletionError::Parameter {
+            name: "--form-wavelength",
+            range: "at most the length of the scan",
+            value: wavelength,
+        }),
+        _ => Ok(()),
+    }
 }
 
 /// The scan as every step sees it: around its centroid, so that large offsets (national grids) cost
@@ -193,6 +243,8 @@ struct Work {
     /// Samples searched on the scan's own base surface.
     samples: usize,
     searched: Searched,
+    /// What was chosen for want of being given.
+    chosen: Vec<Chosen>,
     /// Number of patches begun: each has random numbers of its own.
     patches: u32,
 }

@@ -9,6 +9,7 @@ use crate::sampling::fill;
 
 use super::gaps::lies_on;
 use super::patch::{NumberedGap, Patch};
+use super::suited::PAPER_WINDOW;
 use super::surroundings::Surroundings;
 use super::{Clock, CompleteParams, Input, SkippedHole, Work};
 
@@ -28,12 +29,12 @@ pub(super) fn complete_on_own_base(
     work: &mut Work,
     clock: &mut Clock,
 ) {
-    let part = Surroundings::new(input, gap, params.window);
+    let around = Surroundings::new(input, gap, params.window.unwrap_or(PAPER_WINDOW));
     let serves =
-        |patch: &Patch| lies_on(patch, &part.boundary) && is_filled_sparingly(&part, patch);
-    let patch = (on_wide(&part, params).filter(serves))
-        .or_else(|| on_narrow(&part, params).filter(serves))
-        .or_else(|| on_rim_plane(&part).filter(serves));
+        |patch: &Patch| lies_on(patch, &around.boundary) && is_filled_sparingly(&around, patch);
+    let patch = (on_wide(&around, params).filter(serves))
+        .or_else(|| on_narrow(&around, params).filter(serves))
+        .or_else(|| on_rim_plane(&around).filter(serves));
     clock.end("own bases");
     let Some(patch) = patch else {
         work.skipped.push(SkippedHole {
@@ -43,51 +44,75 @@ pub(super) fn complete_on_own_base(
         return;
     };
     let before = work.added.len();
-    patch.complete(&part.input, vec![part.gap.clone()], params, work, clock);
+    patch.complete(
+        &around.part.input,
+        vec![around.gap.clone()],
+        params,
+        work,
+        clock,
+    );
     for added in &mut work.added[before..] {
-        part.renumber(input, added);
+        around.part.renumber(input, added);
     }
 }
 
-fn on_wide(part: &Surroundings, params: &CompleteParams) -> Option<Patch> {
-    let fit = fit_to(part, &part.wide, params, Loss::Tukey);
+fn on_wide(around: &Surroundings, params: &CompleteParams) -> Option<Patch> {
+    let fit = fit_to(around, &around.wide, params, Loss::Tukey);
     let (fit, side) = fit.filter(|(fit, _)| fit.fits())?;
     let reach = relief::reach(&fit);
-    Some(Patch::own(&part.input, &fit.base, side, reach, &part.wide))
+    Some(Patch::own(
+        &around.part.input,
+        &fit.base,
+        side,
+        reach,
+        &around.wide,
+    ))
 }
 
-fn on_narrow(part: &Surroundings, params: &CompleteParams) -> Option<Patch> {
-    let (fit, side) = fit_to(part, &part.narrow, params, Loss::LeastSquares)?;
+fn on_narrow(around: &Surroundings, params: &CompleteParams) -> Option<Patch> {
+    let (fit, side) = fit_to(around, &around.narrow, params, Loss::LeastSquares)?;
     let reach = fit.max_residual * (1.0 + 1e-9);
-    Some(Patch::own(&part.input, &fit.base, side, reach, &part.wide))
+    Some(Patch::own(
+        &around.part.input,
+        &fit.base,
+        side,
+        reach,
+        &around.wide,
+    ))
 }
 
 /// The plane through the rim, seen from the side from which the hole runs counterclockwise.
-fn on_rim_plane(part: &Surroundings) -> Option<Patch> {
-    let positions = &part.input.mesh.positions;
-    let rim: Vec<_> = (part.boundary.vertices.iter())
+fn on_rim_plane(around: &Surroundings) -> Option<Patch> {
+    let positions = &around.part.input.mesh.positions;
+    let rim: Vec<_> = (around.boundary.vertices.iter())
         .map(|v| positions[*v as usize])
         .collect();
     let normal = Unit::try_new(vector_area(&rim), 0.0)?;
     let sum: Vector3<f64> = rim.iter().map(|p| p.coords).sum();
     let point = Point3::from(sum / rim.len() as f64);
     let plane = BaseSurface::Plane(Plane { point, normal });
-    let reach = (positions.iter().zip(&part.narrow))
+    let reach = (positions.iter().zip(&around.narrow))
         .filter(|(_, near)| **near)
         .map(|(p, _)| plane.foot(p).height.abs())
         .fold(0.0, f64::max);
     let reach = reach * (1.0 + 1e-9);
-    Some(Patch::own(&part.input, &plane, 1.0, reach, &part.wide))
+    Some(Patch::own(
+        &around.part.input,
+        &plane,
+        1.0,
+        reach,
+        &around.wide,
+    ))
 }
 
 /// The base surface of a region, of any kind, and the side of it that the region faces.
 fn fit_to(
-    part: &Surroundings,
+    around: &Surroundings,
     region: &[bool],
     params: &CompleteParams,
     loss: Loss,
 ) -> Option<(FitReport, f64)> {
-    let mesh = &part.input.mesh;
+    let mesh = &around.part.input.mesh;
     let triangles: Vec<[u32; 3]> = (mesh.triangles.iter())
         .filter(|t| t.iter().all(|v| region[*v as usize]))
         .copied()
@@ -105,16 +130,19 @@ fn fit_to(
 
 /// Whether the gap can be filled on the patch with about as much surface as its rim can span: a base
 /// that continues the wrong way around would take the long way.
-fn is_filled_sparingly(part: &Surroundings, patch: &Patch) -> bool {
-    let length = part.boundary.length;
+fn is_filled_sparingly(around: &Surroundings, patch: &Patch) -> bool {
+    let length = around.boundary.length;
     let most = MOST_AREA_RATIO * length * length / (4.0 * std::f64::consts::PI);
     // Targets as far apart as that area allows: enough for the area, and soon done.
-    let spacing = part.input.spacing.spacing.max(0.05 * most.sqrt());
+    let spacing = around.part.input.spacing.spacing.max(0.05 * most.sqrt());
+    let Some(base) = patch.form.primitive() else {
+        return false;
+    };
     let filled = fill(
-        &patch.base,
+        base,
         &patch.relief,
-        &part.input.adjacency,
-        &part.gap.gap,
+        &around.part.input.adjacency,
+        &around.gap.gap,
         spacing,
     );
     filled.is_ok_and(|filled| {

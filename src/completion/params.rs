@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::base::FitParams;
+use crate::base::{BaseChoice, FitParams};
 use crate::sampling::SpacingRule;
 
 use super::CompletionError;
@@ -44,30 +44,39 @@ pub enum Method {
 pub struct CompleteParams {
     /// Base surface and how it is fitted. Default: kind chosen by the fit's criterion.
     pub fit: FitParams,
+    /// Wavelength that tells form from relief where the base is free form, in the scan's unit. Default
+    /// `None`: chosen from the relief, see [`crate::base::choose_wavelength`].
+    pub form_wavelength: Option<f64>,
     /// Which holes to fill. Default: interior ones.
     pub holes: HoleChoice,
     /// Continue the scan over the rest of the base surface: of the sphere, of the cylinder's or
     /// cone's wall between the scan's ends, of the plane's bounding rectangle. Default: no.
     pub extend: bool,
-    /// Window W: radius of a neighborhood in edges. Default 5, of the paper's experiments.
-    pub window: usize,
-    /// Number R of rotations about the normal. Default 4, of the paper's experiments.
-    pub rotations: u32,
+    /// Window W: radius of a neighborhood in edges. Default `None`: chosen from the relief, see
+    /// [`super::Chosen`]; by the paper's method 5, as in its experiments.
+    pub window: Option<usize>,
+    /// Number R of rotations about the normal. Default `None`: chosen from the relief; by the paper's
+    /// method 4, as in its experiments.
+    pub rotations: Option<u32>,
     /// Matches within (1 + tolerance) of the best are drawn from at random. Default 0.1
     /// (Efros & Leung 1999).
     pub tolerance: f64,
-    /// Normalised cost above which a match is not accepted at first. Default 0.3
-    /// (Efros & Leung 1999).
-    pub error_threshold: f64,
-    /// μ in (1 − μ)·shape + μ·colour, in [0, 1]. Default `None`: 0.5 for a scan with colours, else
-    /// 0.
+    /// Normalised cost above which a match is not accepted at first. Default `None`: chosen from the
+    /// relief; by the paper's method 0.3 (Efros & Leung 1999).
+    pub error_threshold: Option<f64>,
+    /// μ in (1 − μ)·shape + μ·colour, in [0, 1]. Default `None`: chosen from the relief and its colours;
+    /// by the paper's method 0.5. Always 0 for a scan without colours.
     pub mu: Option<f64>,
-    /// Distance of new vertices. Default: robust Nyquist.
-    pub spacing: SpacingRule,
+    /// Distance of new vertices. Default `None`: robust Nyquist.
+    pub spacing: Option<SpacingRule>,
     /// Completed vertices become samples after each front. Default: no.
     pub bootstrap: bool,
     /// How matches are found. Default: coherent search.
     pub method: Method,
+    /// Patches copied from different places are fitted together, and to the scan: heights give way, so
+    /// that each new vertex keeps the shape of its source. Not by the paper's method. Default `None`: on relief
+    /// that hardly changes from vertex to vertex, where seams would show; rough relief would become higher.
+    pub blend: Option<bool>,
     /// κ of coherent search: what continues a neighbor's source is taken unless another place costs
     /// less than 1/(1 + κ) of it (and at once, where it fits better than good matches do). Default 0.3.
     pub coherence: f64,
@@ -89,16 +98,18 @@ impl Default for CompleteParams {
     fn default() -> Self {
         Self {
             fit: FitParams::default(),
+            form_wavelength: None,
             holes: HoleChoice::default(),
             extend: false,
-            window: 5,
-            rotations: 4,
+            window: None,
+            rotations: None,
             tolerance: 0.1,
-            error_threshold: 0.3,
+            error_threshold: None,
             mu: None,
-            spacing: SpacingRule::default(),
+            spacing: None,
             bootstrap: false,
             method: Method::default(),
+            blend: None,
             coherence: 0.3,
             sites: 8192,
             audit: 0.0,
@@ -115,21 +126,27 @@ impl CompleteParams {
     /// [`CompletionError::Parameter`] for the first that is not.
     pub fn check(&self) -> Result<(), CompletionError> {
         let spacing = match self.spacing {
-            SpacingRule::Length(length) => length,
+            Some(SpacingRule::Length(length)) => length,
             _ => 1.0,
         };
         let rules = [
             (
                 "--window",
                 "from 1 to 50",
-                self.window as f64,
-                (1..=50).contains(&self.window),
+                self.window.unwrap_or(1) as f64,
+                self.window.is_none_or(|window| (1..=50).contains(&window)),
             ),
             (
                 "--rotations",
                 "from 1 to 360",
-                f64::from(self.rotations),
-                (1..=360).contains(&self.rotations),
+                f64::from(self.rotations.unwrap_or(1)),
+                (self.rotations).is_none_or(|rotations| (1..=360).contains(&rotations)),
+            ),
+            (
+                "--form-wavelength",
+                "a positive length",
+                self.form_wavelength.unwrap_or(1.0),
+                (self.form_wavelength).is_none_or(|length| length > 0.0 && length.is_finite()),
             ),
             (
                 "--tolerance",
@@ -140,8 +157,8 @@ impl CompleteParams {
             (
                 "--error-threshold",
                 "above 0",
-                self.error_threshold,
-                self.error_threshold > 0.0,
+                self.error_threshold.unwrap_or(1.0),
+                self.error_threshold.is_none_or(|threshold| threshold > 0.0),
             ),
             (
                 "--shape-weight",
@@ -169,6 +186,12 @@ impl CompleteParams {
                 spacing > 0.0 && spacing.is_finite(),
             ),
         ];
+        if self.fit.base == BaseChoice::FreeForm && self.method == Method::Paper {
+            return Err(CompletionError::FreeFormByPaper);
+        }
+        if self.fit.base == BaseChoice::FreeForm && self.extend {
+            return Err(CompletionError::FreeFormHasNoEnd);
+        }
         match rules.into_iter().find(|rule| !rule.3) {
             Some((name, range, value, _)) => Err(CompletionError::Parameter { name, range, value }),
             None => Ok(()),

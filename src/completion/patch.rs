@@ -1,24 +1,29 @@
 //! The gaps that lie on one base surface, filled together.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
-use crate::base::{BaseSurface, FitReport};
+use crate::base::{BaseSurface, FitReport, Form};
 use crate::matching::paper::{Samples, Search};
 use crate::matching::{coherent, exemplar::ExemplarParams};
 use crate::mesh::{Adjacency, TriMesh, triangle_normal};
+use crate::neighborhood::{Frame, Surface, local_frames, smooth_frames};
 use crate::relief::{self, Relief};
 use crate::rng::{Rng, Stage};
 use crate::sampling::{Fill, Gap, fill, subdivide};
 
+use super::blend::blend;
 use super::by_paper::ByPaper;
 use super::by_stencil::{ByStencil, StencilParams};
+use super::correlation::Readable;
 use super::growth::{Canvas, Grown, Growth, Matcher};
+use super::smooth_part::roughness;
+use super::suited::{Settings, blending, suited};
 use super::{Clock, CompleteParams, FilledHole, Input, Method, Progress, SkippedHole, Work};
 
 /// A base surface and the part of the scan that lies on it.
 #[derive(Debug)]
 pub(super) struct Patch {
-    pub(super) base: BaseSurface,
+    pub(super) form: Form,
     pub(super) relief: Relief,
     /// By vertex: whether it lies on the base (is relief).
     pub(super) on_base: Vec<bool>,
@@ -26,7 +31,7 @@ pub(super) struct Patch {
     lying: Vec<[u32; 3]>,
     /// Those of them that can be copied from.
     pub(super) triangles: Vec<[u32; 3]>,
-    /// Whether it is a hole's own base surface.
+    /// Whether it lies under some holes and their surroundings only.
     own: bool,
 }
 
@@ -36,6 +41,19 @@ pub(super) struct NumberedGap {
     pub(super) gap: Gap,
     pub(super) rim_ids: Vec<usize>,
     pub(super) island_ids: Vec<usize>,
+}
+
+impl NumberedGap {
+    /// Takes some loops off the islands.
+    pub(super) fn leave_islands(&mut self, taken: &[usize]) {
+        let kept: Vec<usize> = (0..self.island_ids.len())
+            .filter(|i| !taken.contains(&self.island_ids[*i]))
+            .collect();
+        self.gap.islands = (kept.iter())
+            .map(|i| self.gap.islands[*i].clone())
+            .collect();
+        self.island_ids = kept.iter().map(|i| self.island_ids[*i]).collect();
+    }
 }
 
 /// A gap that was filled: vertices numbered on from the scan's last.
@@ -50,17 +68,21 @@ pub(super) struct Added {
 }
 
 /// A gap with its targets and triangles, not yet grown.
-struct Planned {
-    loops: Vec<usize>,
-    fill: Fill,
+#[derive(Debug)]
+pub(super) struct Planned {
+    pub(super) loops: Vec<usize>,
+    pub(super) fill: Fill,
+    /// Corrected normal of each target.
+    pub(super) normals: Vec<Vector3<f64>>,
     /// Its targets' place among all targets of the patch.
-    targets: std::ops::Range<usize>,
+    pub(super) targets: std::ops::Range<usize>,
 }
 
 /// What growing is to be done with.
 struct Run<'a> {
     input: &'a Input,
     params: &'a CompleteParams,
+    settings: Settings,
     /// New triangles, see [`joint_triangles`].
     joint: Vec<[u32; 3]>,
     /// Seed, and number of the patch: what all random numbers follow from.
@@ -71,7 +93,7 @@ impl Run<'_> {
     fn grow<M: Matcher>(&self, canvas: &mut Canvas, matcher: &mut M, clock: &mut Clock) -> Grown {
         let total = canvas.points.len() - canvas.first_target;
         let mut rng = Rng::new(self.seed[0], Stage::Completion, self.seed[1]);
-        let growth = Growth::new(canvas, self.params.window, self.params.error_threshold);
+        let growth = Growth::new(canvas, self.settings.window, self.settings.error_threshold);
         let grown = growth.run(matcher, &mut rng, |done| {
             (clock.progress)(Progress {
                 stage: "growth",
@@ -88,7 +110,13 @@ impl Patch {
     /// The part of the scan that lies on the base fitted to it.
     pub(super) fn whole(input: &Input, fit: &FitReport) -> Self {
         let relief = relief::extract(&input.mesh, &fit.base);
-        Self::new(input, &fit.base, relief, relief::reach(fit), None)
+        Self::new(
+            input,
+            Form::Primitive(fit.base),
+            relief,
+            relief::reach(fit),
+            None,
+        )
     }
 
     /// The part within `region` that is at most `reach` from the given side of a base of its own.
@@ -100,12 +128,13 @@ impl Patch {
         region: &[bool],
     ) -> Self {
         let relief = relief::extract_on_side(&input.mesh.positions, base, side);
-        Self::new(input, base, relief, reach, Some(region))
+        Self::new(input, Form::Primitive(*base), relief, reach, Some(region))
     }
 
-    fn new(
+    /// The part with the given relief that is at most `reach` high, within `region` if there is one.
+    pub(super) fn new(
         input: &Input,
-        base: &BaseSurface,
+        form: Form,
         relief: Relief,
         reach: f64,
         region: Option<&[bool]>,
@@ -126,7 +155,7 @@ impl Patch {
             .copied()
             .collect();
         Self {
-            base: *base,
+            form,
             relief,
             on_base,
             triangles: (lying.iter())
@@ -153,22 +182,38 @@ impl Patch {
         work: &mut Work,
         clock: &mut Clock,
     ) {
-        let planned = self.plan(input, gaps, work);
+        let planned = match self.form.primitive() {
+            Some(base) => self.plan(base, input, gaps, work),
+            None => Vec::new(),
+        };
         clock.end("targets");
+        self.grow(input, planned, params, work, clock);
+    }
+
+    /// Grows relief and colour over gaps that have their targets; results go to `work`.
+    pub(super) fn grow(
+        &self,
+        input: &Input,
+        planned: Vec<Planned>,
+        params: &CompleteParams,
+        work: &mut Work,
+        clock: &mut Clock,
+    ) {
         let mut canvas = self.canvas(input, &planned);
         let run = Run {
             input,
             params,
+            settings: Settings::of_paper(params, input.colors.is_some()),
             joint: joint_triangles(input, &planned),
             seed: [params.seed, work.patches],
         };
         work.patches += 1;
         let grown = if planned.iter().all(|gap| gap.targets.is_empty()) {
             Ok(Grown::new(0))
-        } else if params.method == Method::Paper {
-            Ok(self.grow_by_paper(&run, &mut canvas, work, clock))
+        } else if let (Method::Paper, Some(base)) = (params.method, self.form.primitive()) {
+            Ok(self.grow_by_paper(base, &run, &mut canvas, work, clock))
         } else {
-            self.grow_by_stencil(&run, &mut canvas, work, clock)
+            self.grow_by_stencil(run, &mut canvas, work, clock)
         };
         match grown {
             Ok(grown) => {
@@ -187,23 +232,28 @@ impl Patch {
 
     fn grow_by_paper(
         &self,
+        base: &BaseSurface,
         run: &Run,
         canvas: &mut Canvas,
         work: &mut Work,
         clock: &mut Clock,
     ) -> Grown {
-        let Run { input, params, .. } = *run;
-        let samples = self.samples(&input.mesh, &self.relief, input.colors.as_deref());
+        let Run {
+            input,
+            params,
+            settings,
+            ..
+        } = *run;
+        let samples = self.samples(base, &input.mesh, &self.relief, input.colors.as_deref());
         if !self.own {
             work.samples = samples.len();
         }
-        let renew = |canvas: &Canvas| self.renewed(canvas, &run.joint);
+        let renew = |canvas: &Canvas| self.renewed(base, canvas, &run.joint);
         let renew: Option<&dyn Fn(&Canvas) -> Samples> = match params.bootstrap {
             true => Some(&renew),
             false => None,
         };
-        let (search, spacing) = (paper_search(input, params), input.spacing.spacing);
-        let base = &self.base;
+        let (search, spacing) = (paper_search(params, settings), input.spacing.spacing);
         let mut matcher = ByPaper::new(canvas, base, samples, renew, search, spacing, run.seed);
         clock.end("samples");
         run.grow(canvas, &mut matcher, clock)
@@ -213,21 +263,48 @@ impl Patch {
     /// In words, why there is nothing to copy from.
     fn grow_by_stencil(
         &self,
-        run: &Run,
+        mut run: Run,
         canvas: &mut Canvas,
         work: &mut Work,
         clock: &mut Clock,
     ) -> Result<Grown, String> {
         let samples = self.sample_vertices(canvas.points.len());
-        if !self.own {
-            work.samples = samples.iter().filter(|is| **is).count();
+        if !self.own || self.form.primitive().is_none() {
+            let count = samples.iter().filter(|is| **is).count();
+            work.samples = work.samples.max(count);
         }
-        let triangles = [&self.lying[..], &run.joint].concat();
-        let params = stencil_params(run.input, run.params, run.seed);
-        let mut matcher = ByStencil::new(canvas, &self.base, triangles, &samples, params)?;
+        let surface = Surface::new(TriMesh {
+            positions: canvas.relief.feet.clone(),
+            triangles: [&self.lying[..], &run.joint].concat(),
+        });
+        let frames = self.frames(canvas);
+        let relief = Readable {
+            surface: &surface,
+            frames: &frames,
+            heights: &canvas.relief.heights,
+            colors: canvas.colors.as_deref(),
+            samples: &samples,
+            step: run.input.spacing.median,
+        };
+        let [seed, patch] = run.seed;
+        let mut rng = Rng::new(seed, Stage::Suiting, patch);
+        let (settings, chosen) = suited(&relief, run.input.spacing.spacing, run.params, &mut rng);
+        run.settings = settings;
+        work.chosen.extend(chosen);
+        clock.end("parameters");
+        let params = stencil_params(&run);
+        let mut matcher = ByStencil::new(canvas, frames, surface, &samples, params)?;
         clock.end("samples");
         let grown = run.grow(canvas, &mut matcher, clock);
         work.searched.add(&matcher.searched());
+        let (blends, chosen) = blending(run.params, roughness(canvas, &samples));
+        work.chosen.push(chosen);
+        if blends {
+            blend(canvas, |canvas, v, n| {
+                matcher.continued_height(canvas, v, n)
+            });
+            clock.end("blend");
+        }
         Ok(grown)
     }
 
@@ -240,7 +317,28 @@ impl Patch {
         is_sample
     }
 
-    fn plan(&self, input: &Input, gaps: Vec<NumberedGap>, work: &mut Work) -> Vec<Planned> {
+    /// Frames that follow the surface: those of the base surface's own axes, or where these leave a sphere
+    /// or free form, a field as smooth as can be.
+    fn frames(&self, canvas: &Canvas) -> Vec<Frame> {
+        match self.form {
+            Form::Primitive(
+                base @ (BaseSurface::Plane(_) | BaseSurface::Cylinder(_) | BaseSurface::Cone(_)),
+            ) => local_frames(&base, &canvas.relief.normals),
+            _ => {
+                let normals = &canvas.relief.normals;
+                let direction = tangent_direction(&normals[canvas.first_target..]);
+                smooth_frames(&canvas.adjacency, normals, &direction)
+            }
+        }
+    }
+
+    fn plan(
+        &self,
+        base: &BaseSurface,
+        input: &Input,
+        gaps: Vec<NumberedGap>,
+        work: &mut Work,
+    ) -> Vec<Planned> {
         let mut planned: Vec<Planned> = Vec::new();
         for numbered in gaps {
             let NumberedGap {
@@ -249,7 +347,7 @@ impl Patch {
                 island_ids,
             } = numbered;
             let spacing = input.spacing.spacing;
-            match fill(&self.base, &self.relief, &input.adjacency, &gap, spacing) {
+            match fill(base, &self.relief, &input.adjacency, &gap, spacing) {
                 Ok(fill) if fill.triangles.is_empty() => work.skipped.push(SkippedHole {
                     loops,
                     reason:
@@ -262,6 +360,9 @@ impl Patch {
                     planned.push(Planned {
                         loops,
                         targets: start..start + fill.targets.len(),
+                        normals: (fill.targets.iter())
+                            .map(|foot| base.foot(foot).normal * self.relief.side)
+                            .collect(),
                         fill,
                     });
                 }
@@ -274,26 +375,29 @@ impl Patch {
         planned
     }
 
-    fn samples(&self, mesh: &TriMesh, relief: &Relief, colors: Option<&[[f64; 3]]>) -> Samples {
+    fn samples(
+        &self,
+        base: &BaseSurface,
+        mesh: &TriMesh,
+        relief: &Relief,
+        colors: Option<&[[f64; 3]]>,
+    ) -> Samples {
         let surface = TriMesh {
             positions: mesh.positions.clone(),
             triangles: self.triangles.clone(),
         };
-        Samples::new(&self.base, &subdivide(&surface, &self.base, relief, colors))
+        Samples::new(base, &subdivide(&surface, base, relief, colors))
     }
 
     /// Samples of all that is known by now.
-    fn renewed(&self, canvas: &Canvas, joint: &[[u32; 3]]) -> Samples {
+    fn renewed(&self, base: &BaseSurface, canvas: &Canvas, joint: &[[u32; 3]]) -> Samples {
         let new = (joint.iter()).filter(|t| t.iter().all(|v| canvas.known[*v as usize]));
         let surface = TriMesh {
             positions: canvas.points.clone(),
             triangles: self.triangles.iter().chain(new).copied().collect(),
         };
         let colors = canvas.colors.as_deref();
-        Samples::new(
-            &self.base,
-            &subdivide(&surface, &self.base, &canvas.relief, colors),
-        )
+        Samples::new(base, &subdivide(&surface, base, &canvas.relief, colors))
     }
 
     /// Scan and targets as one surface.
@@ -301,13 +405,12 @@ impl Patch {
         let first_target = input.mesh.positions.len();
         let mut relief = self.relief.clone();
         let mut known = self.on_base.clone();
-        for foot in planned.iter().flat_map(|gap| &gap.fill.targets) {
-            relief.feet.push(*foot);
-            let normal = self.base.foot(foot).normal * relief.side;
-            relief.normals.push(normal);
-            relief.heights.push(0.0);
-            known.push(false);
+        for gap in planned {
+            relief.feet.extend(&gap.fill.targets);
+            relief.normals.extend(&gap.normals);
         }
+        relief.heights.resize(relief.feet.len(), 0.0);
+        known.resize(relief.feet.len(), false);
         let mut points = input.mesh.positions.clone();
         points.extend_from_slice(&relief.feet[first_target..]);
         let mut triangles = input.mesh.triangles.clone();
@@ -319,6 +422,7 @@ impl Patch {
         Canvas {
             adjacency: Adjacency::new(&mesh),
             points: mesh.positions,
+            triangles: mesh.triangles,
             colors: input.colors.clone().map(|mut colors| {
                 colors.resize(relief.feet.len(), [0.0; 3]);
                 colors
@@ -356,15 +460,32 @@ impl Patch {
                 faces: gap.fill.triangles.len(),
                 mean_cost: matched.clone().sum::<f64>() / costs.len().max(1) as f64,
                 worst_cost: matched.fold(0.0, f64::max),
-                own_base: self.own.then_some(self.base),
+                own_base: self.own.then_some(self.form),
             },
             triangles: gap.fill.triangles,
         });
     }
 }
 
+/// Of some directions the one that is most nearly tangent wherever a normal is: where it is normal to the surface
+/// a field that follows it must turn, and that should not be in a gap.
+fn tangent_direction(normals: &[Vector3<f64>]) -> Vector3<f64> {
+    let tries = (-1..=1).flat_map(|x| (-1..=1).flat_map(move |y| (-1..=1).map(move |z| (x, y, z))));
+    let directions = tries
+        .filter(|way| *way > (0, 0, 0))
+        .map(|(x, y, z)| Vector3::new(f64::from(x), f64::from(y), f64::from(z)).normalize());
+    let worst = |direction: &Vector3<f64>| {
+        (normals.iter())
+            .map(|normal| normal.dot(direction).abs())
+            .fold(0.0, f64::max)
+    };
+    (directions.map(|direction| (worst(&direction), direction)))
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map_or_else(Vector3::x, |(_, direction)| direction)
+}
+
 /// The fills' triangles with the targets of all gaps numbered in a row.
-fn joint_triangles(input: &Input, planned: &[Planned]) -> Vec<[u32; 3]> {
+pub(super) fn joint_triangles(input: &Input, planned: &[Planned]) -> Vec<[u32; 3]> {
     let first_target = input.mesh.positions.len();
     (planned.iter())
         .flat_map(|gap| {
@@ -382,10 +503,10 @@ fn joint_triangles(input: &Input, planned: &[Planned]) -> Vec<[u32; 3]> {
         .collect()
 }
 
-fn paper_search(input: &Input, params: &CompleteParams) -> Search {
+fn paper_search(params: &CompleteParams, settings: Settings) -> Search {
     Search {
-        rotations: params.rotations,
-        mu: color_share(input, params),
+        rotations: settings.rotations,
+        mu: settings.mu,
         tolerance: params.tolerance,
     }
 }
@@ -394,19 +515,26 @@ fn paper_search(input: &Input, params: &CompleteParams) -> Search {
     clippy::cast_possible_truncation,
     reason = "costs on a stencil are single"
 )]
-fn stencil_params(input: &Input, params: &CompleteParams, seed: [u32; 2]) -> StencilParams {
+fn stencil_params(run: &Run) -> StencilParams {
     /// Most similar candidates of every site that coherent search looks at.
     const SIMILAR: usize = 3;
     /// Sites that random search starts from, and random places at each radius around them.
     const STARTS: usize = 6;
     const TRIES: u32 = 3;
+    let Run {
+        input,
+        params,
+        settings,
+        seed,
+        ..
+    } = *run;
     let coherent = params.method == Method::Coherent;
     StencilParams {
-        window: params.window,
+        window: settings.window,
         spacing: input.spacing.spacing,
-        mu: color_share(input, params),
+        mu: settings.mu,
         exemplar: ExemplarParams {
-            rotations: params.rotations,
+            rotations: settings.rotations,
             most_sites: if coherent { params.sites } else { usize::MAX },
             // Renewed tables stand beside those that they replace.
             memory: params.memory / if params.bootstrap { 2 } else { 1 },
@@ -422,13 +550,5 @@ fn stencil_params(input: &Input, params: &CompleteParams, seed: [u32; 2]) -> Ste
         audit: params.audit,
         bootstrap: params.bootstrap,
         seed,
-    }
-}
-
-/// μ, as asked for or by default: half, where there are colours.
-fn color_share(input: &Input, params: &CompleteParams) -> f64 {
-    match input.colors {
-        Some(_) => params.mu.unwrap_or(0.5),
-        None => 0.0,
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::base::{BaseSurface, FitReport};
+use crate::base::{FitReport, Form, WavelengthChoice};
 use crate::sampling::EdgeSpacing;
 
 /// What [`super::complete`] did. Lengths are in the scan's unit.
@@ -10,8 +10,8 @@ use crate::sampling::EdgeSpacing;
 pub struct CompletionReport {
     /// The base surface of the whole scan.
     pub fit: FitReport,
-    /// Whether it fits the whole scan; if not, each hole has a base surface of its own, and the
-    /// heights of original vertices are not known (NaN).
+    /// Whether it lies under the whole scan; if not, heights are over the free form, or by the paper's method,
+    /// where each hole has a base surface of its own, not known for original vertices (NaN).
     pub base_fits: bool,
     /// Edge lengths and the spacing of new vertices.
     pub spacing: EdgeSpacing,
@@ -23,6 +23,12 @@ pub struct CompletionReport {
     pub counts: Counts,
     /// What was searched, on the scan's own base surface and on those of single holes.
     pub searched: Searched,
+    /// Every parameter that follows from the scan unless it is given, with the reason for its value: the
+    /// spacing, then those of the scan's own base surface, then those of the free form. None by the paper's
+    /// method.
+    pub chosen: Vec<Chosen>,
+    /// The free form under holes that do not lie on the base surface.
+    pub free_form: Option<FreeFormReport>,
     /// Wall-clock seconds by stage, in order.
     pub seconds: Vec<StageTime>,
 }
@@ -38,8 +44,8 @@ pub struct Counts {
     pub completed_vertices: usize,
     /// Faces added.
     pub completed_faces: usize,
-    /// Vertices that were copied from, on the scan's own base surface; by the paper's method after
-    /// subdivision.
+    /// Vertices that were copied from, on the scan's own base surface or on free form, whichever has more; by
+    /// the paper's method after subdivision.
     pub samples: usize,
     /// Boundary loops of the input.
     pub loops: usize,
@@ -120,6 +126,30 @@ impl Recall {
     }
 }
 
+/// A parameter that was chosen, or given.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Chosen {
+    /// Name of its option, without dashes in front.
+    pub name: &'static str,
+    /// Its value; a length in the scan's unit.
+    pub value: f64,
+    /// Why, in words.
+    pub reason: String,
+}
+
+/// The free form under some holes and their surroundings. Lengths are in the scan's unit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FreeFormReport {
+    /// What is longer is form, what is shorter is relief.
+    pub wavelength: f64,
+    /// How the wavelength was chosen, unless it was given.
+    pub choice: Option<WavelengthChoice>,
+    /// Root mean square height over it.
+    pub rms: f64,
+    /// Largest absolute height that counts as relief.
+    pub reach: f64,
+}
+
 /// A gap that was filled.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FilledHole {
@@ -133,8 +163,8 @@ pub struct FilledHole {
     pub mean_cost: f64,
     /// Largest.
     pub worst_cost: f64,
-    /// Its own base surface, where it does not lie on the scan's.
-    pub own_base: Option<BaseSurface>,
+    /// What it was filled on, where it does not lie on the scan's base surface.
+    pub own_base: Option<Form>,
 }
 
 /// A gap that was not filled.

@@ -16,13 +16,12 @@ const SURROUNDING_RATIO: f64 = 4.0;
 /// rings.
 const NARROW_RATIO: usize = 3;
 
-/// The part of a scan around a hole, as a scan of its own with its own numbers of vertices: with many
-/// holes, work on the whole scan for each would be too much.
+/// The part of a scan around a hole: with many holes, work on the whole scan for each would be too much.
 #[derive(Debug)]
 pub(super) struct Surroundings {
     /// The part: what is looked at to fit a base, and what a window on the hole or on an island in
-    /// it can reach. Without loops.
-    pub(super) input: Input,
+    /// it can reach.
+    pub(super) part: Part,
     /// The hole, by vertices of the part.
     pub(super) gap: NumberedGap,
     /// Its loop, by vertices of the part.
@@ -32,6 +31,13 @@ pub(super) struct Surroundings {
     pub(super) wide: Vec<bool>,
     /// Whether it belongs to the narrow ones: next to the rim.
     pub(super) narrow: Vec<bool>,
+}
+
+/// Some vertices of a scan, as a scan of its own with its own numbers of vertices.
+#[derive(Debug)]
+pub(super) struct Part {
+    /// The part, without loops.
+    pub(super) input: Input,
     /// The scan's vertex of each of the part, ascending.
     vertices: Vec<u32>,
 }
@@ -51,35 +57,82 @@ impl Surroundings {
         let islands: Vec<u32> = gap.gap.islands.iter().flatten().copied().collect();
         let (beyond, _) = around(&input.adjacency, &islands, |ring, _| reach(ring, 0));
         vertices.extend(beyond);
-        vertices.sort_unstable();
-        vertices.dedup();
-        let number = |v: &u32| number(&vertices, *v).expect("rims and rings are in it");
-        let renumbered = |old: &[u32]| -> Vec<u32> { old.iter().map(number).collect() };
+        let part = Part::new(input, vertices);
         let flags = |region: &[u32]| {
-            let mut flags = vec![false; vertices.len()];
-            for v in region {
-                flags[number(v) as usize] = true;
+            let mut flags = vec![false; part.vertices.len()];
+            for v in part.renumbered(region) {
+                flags[v as usize] = true;
             }
             flags
         };
         Self {
-            input: part(input, &vertices),
-            gap: NumberedGap {
-                gap: Gap {
-                    rims: gap.gap.rims.iter().map(|rim| renumbered(rim)).collect(),
-                    islands: gap.gap.islands.iter().map(|rim| renumbered(rim)).collect(),
-                    extend_over: None,
-                },
-                rim_ids: gap.rim_ids.clone(),
-                island_ids: gap.island_ids.clone(),
-            },
+            gap: part.gap(gap),
             boundary: BoundaryLoop {
-                vertices: renumbered(rim),
+                vertices: part.renumbered(rim),
                 ..boundary.clone()
             },
             wide: flags(&wide),
             narrow: flags(&narrow),
+            part,
+        }
+    }
+}
+
+impl Part {
+    fn new(input: &Input, mut vertices: Vec<u32>) -> Self {
+        vertices.sort_unstable();
+        vertices.dedup();
+        Self {
+            input: part(input, &vertices),
             vertices,
+        }
+    }
+
+    /// The whole scan, or if it has more vertices than `most` about as many around the gaps.
+    pub(super) fn around(input: &Input, gaps: &[NumberedGap], most: usize) -> Self {
+        if input.mesh.positions.len() <= most {
+            return Self::new(input, (0..index(input.mesh.positions.len())).collect());
+        }
+        let found = around(&input.adjacency, &rims(gaps), |_, count| count < most);
+        Self::new(input, found.0)
+    }
+
+    /// The vertices at most so many edges from the gaps.
+    pub(super) fn within(input: &Input, gaps: &[NumberedGap], rings: usize) -> Self {
+        let found = around(&input.adjacency, &rims(gaps), |ring, _| ring <= rings);
+        Self::new(input, found.0)
+    }
+
+    /// Of the scan's values those of the part.
+    pub(super) fn chosen<T: Copy>(&self, values: &[T]) -> Vec<T> {
+        chosen(values, &self.vertices)
+    }
+
+    /// Puts the part's values to the scan's.
+    pub(super) fn put_back<T: Copy>(&self, own: &[T], values: &mut [T]) {
+        for (v, value) in self.vertices.iter().zip(own) {
+            values[*v as usize] = *value;
+        }
+    }
+
+    fn renumbered(&self, old: &[u32]) -> Vec<u32> {
+        (old.iter())
+            .map(|v| number(&self.vertices, *v).expect("rims and rings are in it"))
+            .collect()
+    }
+
+    /// A gap by vertices of the part.
+    pub(super) fn gap(&self, gap: &NumberedGap) -> NumberedGap {
+        let renumbered =
+            |loops: &[Vec<u32>]| loops.iter().map(|rim| self.renumbered(rim)).collect();
+        NumberedGap {
+            gap: Gap {
+                rims: renumbered(&gap.gap.rims),
+                islands: renumbered(&gap.gap.islands),
+                extend_over: None,
+            },
+            rim_ids: gap.rim_ids.clone(),
+            island_ids: gap.island_ids.clone(),
         }
     }
 
@@ -96,6 +149,13 @@ impl Surroundings {
         for triangle in &mut added.triangles {
             *triangle = triangle.map(number);
         }
+    }
+
+    /// Values of the part's vertices as values of the scan's `count`; NaN for the others.
+    pub(super) fn spread(&self, values: &[f64], count: usize) -> Vec<f64> {
+        let mut spread = vec![f64::NAN; count];
+        self.put_back(values, &mut spread);
+        spread
     }
 }
 
@@ -125,6 +185,12 @@ fn part(input: &Input, vertices: &[u32]) -> Input {
     }
 }
 
+/// The vertices of the loops around gaps.
+fn rims(gaps: &[NumberedGap]) -> Vec<u32> {
+    let loops = (gaps.iter()).flat_map(|gap| gap.gap.rims.iter().chain(&gap.gap.islands));
+    loops.flatten().copied().collect()
+}
+
 /// The part's number of a vertex.
 fn number(vertices: &[u32], v: u32) -> Option<u32> {
     vertices.binary_search(&v).ok().map(index)
@@ -150,7 +216,7 @@ fn enough_vertices(input: &Input, boundary: &BoundaryLoop) -> usize {
 
 /// The vertices around a loop ring by ring, while `wanted` says so of the number of rings and of
 /// vertices so far; and the number of rings.
-fn around(
+pub(super) fn around(
     adjacency: &Adjacency,
     start: &[u32],
     wanted: impl Fn(usize, usize) -> bool,

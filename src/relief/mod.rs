@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::base::{BaseSurface, FitReport, MAX_RELIEF_SHARE};
-use crate::mesh::{TriMesh, triangle_normal};
+use crate::mesh::{TriMesh, triangle_normal, vertex_normals};
 
 /// The relief of a mesh over its base surface, one row a vertex.
 #[derive(Debug, Clone, PartialEq)]
@@ -91,9 +91,36 @@ pub fn extract_on_side(points: &[Point3<f64>], base: &BaseSurface, side: f64) ->
     relief
 }
 
+/// The relief of a mesh over a smooth one with the same vertices and triangles: normals are the smooth
+/// mesh's at its vertices, and feet stand under the mesh's vertices along them.
+#[must_use]
+pub fn over_form(mesh: &TriMesh, form: Vec<Point3<f64>>) -> Relief {
+    let smooth = TriMesh {
+        positions: form,
+        triangles: mesh.triangles.clone(),
+    };
+    let normals = vertex_normals(&smooth);
+    let heights: Vec<f64> = (mesh.positions.iter().zip(&smooth.positions))
+        .zip(&normals)
+        .map(|((p, foot), normal)| (p - foot).dot(normal))
+        .collect();
+    let feet = (mesh.positions.iter().zip(&normals))
+        .zip(&heights)
+        .map(|((p, normal), height)| p - normal * *height)
+        .collect();
+    Relief {
+        feet,
+        normals,
+        heights,
+        side: 1.0,
+    }
+}
+
 /// Heights beyond this many robust standard deviations are no relief: the roof of a tower over the
 /// cylinder of its shaft. Generous, since deep joints and vugs are what completion is for.
 const REACH: f64 = 12.0;
+/// Standard deviation over median absolute deviation, of a normal distribution.
+const MAD_TO_SIGMA: f64 = 1.4826;
 /// … and beyond this many plain ones, where the robust one says little.
 const PLAIN_REACH: f64 = 4.0;
 
@@ -109,6 +136,21 @@ pub fn reach(fit: &FitReport) -> f64 {
     };
     // Without any relief, rounding must not throw vertices off the base.
     (REACH * fit.scale).max(plain) + 1e-9 * fit.diagonal
+}
+
+/// Largest absolute height that counts as relief over free form, in the scan's unit: of these heights, which
+/// are all small but at depth jumps and spikes.
+#[must_use]
+pub fn reach_of(heights: &[f64]) -> f64 {
+    let mut absolute: Vec<f64> = heights.iter().map(|h| h.abs()).collect();
+    let middle = absolute.len() / 2;
+    if absolute.is_empty() {
+        return 0.0;
+    }
+    let (_, median, _) = absolute.select_nth_unstable_by(middle, f64::total_cmp);
+    let square: f64 = heights.iter().map(|h| h * h).sum();
+    let plain = (square / heights.len() as f64).sqrt();
+    (REACH * MAD_TO_SIGMA * *median).max(PLAIN_REACH * plain)
 }
 
 /// Puts the relief back on its base: #V points.
@@ -161,6 +203,22 @@ mod tests {
         }
         assert!(relief.heights[2] > 0.0 && relief.heights[0] < 0.0);
         assert_relative_eq!(relief.displacement(2).norm(), relief.heights[2]);
+    }
+
+    #[test]
+    fn over_a_form_points_are_feet_and_heights_too() {
+        let mut mesh = octahedron();
+        let form = mesh.positions.clone();
+        mesh.positions[2] = Point3::new(0.1, 0.2, 1.25);
+        let relief = over_form(&mesh, form);
+        assert_relative_eq!(relief.heights[2], 0.25, epsilon = 1e-12);
+        assert_relative_eq!(relief.feet[2], Point3::new(0.1, 0.2, 1.0), epsilon = 1e-12);
+        for (p, q) in apply(&relief).iter().zip(&mesh.positions) {
+            assert_relative_eq!(p, q, epsilon = 1e-15);
+        }
+        let reach = reach_of(&[0.1, -0.1, 0.1, -0.1, 3.0]);
+        assert!((1.5..6.0).contains(&reach), "{reach}");
+        assert!(reach_of(&[]).abs() <= 0.0);
     }
 
     #[test]

@@ -27,6 +27,7 @@ mod ply;
 mod ply_header;
 mod ply_write;
 mod range_grid;
+mod remove;
 mod stl;
 mod text;
 mod triangulate;

@@ -67,8 +67,10 @@ impl Histogram {
     }
 }
 
-/// Histograms of both parts, by channel. `colors` (#V by 3, in [0, 1]).
-pub(super) fn compare_colors(colors: &[[f64; 3]], completed: &[bool]) -> [ColorComparison; 3] {
+/// Histograms of both parts, by channel. `colors` (#V by 3, in [0, 1]), and by vertex whether it is
+/// completed.
+#[must_use]
+pub fn compare_colors(colors: &[[f64; 3]], completed: &[bool]) -> [ColorComparison; 3] {
     let part = |channel: usize, wanted: bool| {
         let chosen = colors.iter().zip(completed).filter(|(_, c)| **c == wanted);
         Histogram::of(chosen.map(|(color, _)| color[channel]))

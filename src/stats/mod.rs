@@ -7,14 +7,14 @@
 mod histogram;
 mod integral;
 
-pub use histogram::{ColorComparison, Histogram};
+pub use histogram::{ColorComparison, Histogram, compare_colors};
 pub use integral::{ReliefPart, relief_part};
 
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::base::{self, BaseSurface, FitError, FitParams};
-use crate::completion::{COMPLETED, RememberedBase, remembered_base};
+use crate::base::{self, BaseSurface, FitError, FitParams, Form};
+use crate::completion::{COMPLETED, noted_relief, remembered_base, remembered_free_form};
 use crate::mesh::TriMesh;
 use crate::relief;
 use crate::scan::Scan;
@@ -23,7 +23,7 @@ use crate::scan::Scan;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
     /// The base surface that the heights are over.
-    pub base: BaseSurface,
+    pub base: Form,
     /// What the scanner saw, as far as it lies on the base.
     pub original: ReliefPart,
     /// What completion added, as far as it lies on the base.
@@ -75,14 +75,17 @@ pub fn compare(scan: &Scan) -> Result<Comparison, StatsError> {
     let (mesh, origin) = scan.mesh().centered();
     let is_completed = |t: &[u32; 3]| t.iter().any(|v| completed[*v as usize]);
     let (new, old): (Vec<_>, Vec<_>) = mesh.triangles.iter().partition(|t| is_completed(t));
-    let RememberedBase { surface, reach } = match remembered_base(scan) {
-        Some(known) => RememberedBase {
-            surface: known.surface.translated(-origin),
-            ..known
-        },
-        None => fitted_base(&mesh, &old)?,
+    let noted = (remembered_base(scan).map(|known| Form::Primitive(known.surface)))
+        .or_else(|| remembered_free_form(scan).map(|known| Form::Free(known.form)))
+        .zip(noted_relief(scan, &mesh, &origin));
+    let (base, (relief, reach)) = match noted {
+        Some(noted) => noted,
+        None => {
+            let (surface, reach) = fitted_base(&mesh, &old)?;
+            let base = Form::Primitive(surface.translated(origin));
+            (base, (relief::extract(&mesh, &surface), reach))
+        }
     };
-    let relief = relief::extract(&mesh, &surface);
     let on_base = |t: &[u32; 3]| t.iter().all(|v| relief.heights[*v as usize].abs() <= reach);
     let part = |triangles: Vec<[u32; 3]>, name| {
         let triangles: Vec<_> = triangles.into_iter().filter(|t| on_base(t)).collect();
@@ -92,9 +95,9 @@ pub fn compare(scan: &Scan) -> Result<Comparison, StatsError> {
     let completed_part = part(new, "completed")?;
     let colors = scan
         .colors()
-        .map(|colors| histogram::compare_colors(&colors, &completed));
+        .map(|colors| compare_colors(&colors, &completed));
     Ok(Comparison {
-        base: surface.translated(origin),
+        base,
         mean_integral_difference_percent: 100.0
             * (completed_part.mean_integral / original.mean_integral - 1.0),
         roughness_ratio: (original.rms_roughness > 0.0)
@@ -105,13 +108,12 @@ pub fn compare(scan: &Scan) -> Result<Comparison, StatsError> {
     })
 }
 
-fn fitted_base(mesh: &TriMesh, originals: &[[u32; 3]]) -> Result<RememberedBase, StatsError> {
+/// The base surface of the original part, and how high its relief is.
+fn fitted_base(mesh: &TriMesh, originals: &[[u32; 3]]) -> Result<(BaseSurface, f64), StatsError> {
     let fit = base::fit_part(&mesh.positions, originals, &FitParams::default())?;
     if !fit.fits() {
         return Err(StatsError::NoBase);
     }
-    Ok(RememberedBase {
-        reach: relief::reach(&fit),
-        surface: fit.base,
-    })
+    let reach = relief::reach(&fit);
+    Ok((fit.base, reach))
 }

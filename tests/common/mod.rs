@@ -1,6 +1,9 @@
 //! Scans for the tests, and what every completed scan must keep.
 #![allow(dead_code, reason = "each test crate uses its own share")]
 
+use std::io::Write;
+use std::path::PathBuf;
+
 use nalgebra::Point3;
 use relievo::completion::{COMPLETED, HEIGHT, SOURCE};
 use relievo::mesh::{Adjacency, BoundaryLoop, Csr, TriMesh, boundary_loops};
@@ -201,4 +204,21 @@ fn assert_added_channels(after: &Scan, originals: usize) {
             assert!(mark > 0.5 && known, "vertex {row}: {mark}, {source}");
         }
     }
+}
+
+/// A file of the real data, or `None` with a message that says so.
+pub(crate) fn real(name: &str) -> Option<Scan> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("../shared/data")
+        .join(name);
+    if path.exists() {
+        return Some(relievo::scan::read(&path).expect("the file can be read"));
+    }
+    // Written past the test harness, which would hide it.
+    let _ = writeln!(
+        std::io::stderr(),
+        "SKIPPED: {} is not there",
+        path.display()
+    );
+    None
 }

@@ -1,0 +1,109 @@
+//! A scan without some of its vertices.
+
+use super::{Column, Scan, Table};
+use crate::mesh::Csr;
+
+impl Scan {
+    /// The scan without the given vertices and all faces at them; everything else is kept in its order,
+    /// bit for bit. Also gives, for each vertex that is kept, its number before.
+    ///
+    /// Further elements (edges, strips, grids) refer to vertices by number and are left out.
+    ///
+    /// # Panics
+    /// If `removed` has not one entry a vertex.
+    #[must_use]
+    pub fn without(&self, removed: &[bool]) -> (Self, Vec<u32>) {
+        assert_eq!(removed.len(), self.vertices.rows, "one entry a vertex");
+        let kept: Vec<u32> = (0u32..)
+            .zip(removed)
+            .filter(|(_, removed)| !**removed)
+            .map(|(v, _)| v)
+            .collect();
+        let mut number = vec![0u32; removed.len()];
+        for (new, old) in (0u32..).zip(&kept) {
+            number[*old as usize] = new;
+        }
+        let (mut faces, mut kept_faces) = (Csr::default(), Vec::new());
+        for (f, face) in (0u32..).zip(self.faces.rows()) {
+            if face.iter().all(|v| !removed[*v as usize]) {
+                let renumbered: Vec<u32> = face.iter().map(|v| number[*v as usize]).collect();
+                faces.push_row(&renumbered);
+                kept_faces.push(f);
+            }
+        }
+        let scan = Self {
+            vertices: self.vertices.rows_of(&kept),
+            face_channels: self.face_channels.rows_of(&kept_faces),
+            faces,
+            other_elements: Vec::new(),
+            ..self.clone()
+        };
+        (scan, kept)
+    }
+}
+
+impl Table {
+    /// The given rows of every column.
+    fn rows_of(&self, rows: &[u32]) -> Self {
+        let mut table = self.clone();
+        table.rows = rows.len();
+        for (channel, old) in table.channels.iter_mut().zip(&self.channels) {
+            channel.values = old.values.rows_of(rows);
+        }
+        table
+    }
+}
+
+impl Column {
+    fn rows_of(&self, rows: &[u32]) -> Self {
+        fn taken<T: Clone>(values: &[T], rows: &[u32]) -> Vec<T> {
+            rows.iter().map(|r| values[*r as usize].clone()).collect()
+        }
+        match self {
+            Self::I8(values) => Self::I8(taken(values, rows)),
+            Self::U8(values) => Self::U8(taken(values, rows)),
+            Self::I16(values) => Self::I16(taken(values, rows)),
+            Self::U16(values) => Self::U16(taken(values, rows)),
+            Self::I32(values) => Self::I32(taken(values, rows)),
+            Self::U32(values) => Self::U32(taken(values, rows)),
+            Self::F32(values) => Self::F32(taken(values, rows)),
+            Self::F64(values) => Self::F64(taken(values, rows)),
+            Self::List(lists) => Self::List(taken(lists, rows)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_kept_keeps_its_values_and_faces_follow() {
+        let mut scan = Scan::default();
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            let values = (0..5).map(|v| f64::from(v) + 0.1 * axis as f64);
+            scan.vertices
+                .set_channel(name, Column::F64(values.collect()));
+        }
+        let lists = (0..5u8).map(|v| Column::U8(vec![v; 2])).collect();
+        scan.vertices.set_channel("list", Column::List(lists));
+        for face in [&[0, 1, 2][..], &[0, 2, 3, 4], &[0, 2, 3]] {
+            scan.faces.push_row(face);
+        }
+        scan.face_channels
+            .set_channel("part", Column::I32(vec![7, 8, 9]));
+        let (cut, kept) = scan.without(&[false, true, false, false, false]);
+        assert_eq!(kept, [0, 2, 3, 4]);
+        assert_eq!(cut.check("cut").map_err(|e| e.to_string()), Ok(()));
+        let faces: Vec<&[u32]> = cut.faces.rows().collect();
+        assert_eq!(faces, [&[0, 1, 2, 3][..], &[0, 1, 2]]);
+        let Some(Column::I32(parts)) = cut.face_channels.column("part") else {
+            unreachable!();
+        };
+        assert_eq!(parts, &[8, 9]);
+        let Some(Column::List(lists)) = cut.vertices.column("list") else {
+            unreachable!();
+        };
+        assert_eq!(lists[1], Column::U8(vec![2, 2]));
+    }
+}
