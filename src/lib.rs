@@ -17,6 +17,7 @@
 //! | [`likeness`] | surface + piece → how far the piece is from the rest, in units of natural variation | ISO 25178-2 |
 //! | [`completion`] | scan → completed scan, grown from the front inwards | Appendix A |
 //! | [`stats`] | completed scan → original against completed part in figures | Table 1, Fig. 13 |
+//! | [`evaluation`] | scan → holes cut, completed, and judged by the surface's own variation | |
 //! | [`synth`] | parameters → synthetic scans with known truth | Fig. 8–12 |
 //!
 //! Units: lengths are absolute, in the scan's own (unknown) unit, `f64`; angles are radians;
@@ -34,4 +35,5 @@ pub mod matching;
 pub mod likeness;
 pub mod completion;
 pub mod stats;
+pub mod evaluation;
 pub mod synth;

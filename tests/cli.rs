@@ -817,3 +817,35 @@ fn a_closed_pipe_is_no_panic() {
         assert!(output.status.code().is_some_and(|code| code < 2), "{line}");
     }
 }
+
+#[test]
+fn evaluate_tells_scores_in_a_table_in_words_and_as_json() {
+    let place = Place::with("scan.ply", &synthetic(Kind::Noise, Part::default()));
+    let line = "evaluate scan.ply --fill smooth --hole 0.1 --repeat 2 --window 2 --rotations 1";
+    let run = place.done(&format!("{line} --pieces 60"));
+    let text = String::from_utf8(run.stdout).expect("a table is text");
+    for word in [
+        "laplacian",
+        "all together",
+        "RMSE to truth/Sq",
+        "Outside of this surface's natural variation: laplacian",
+    ] {
+        assert!(text.contains(word), "{word} is missing in {text}");
+    }
+    place.done(&format!("{line} --pieces 60 --json report.json"));
+    let report = place.json("report.json");
+    assert_eq!(report["repeats"].as_array().map(Vec::len), Some(2));
+    // A scan of 1000 vertices has no room for 60 away from its rims.
+    let pieces = report["repeats"][0]["calibration_pieces"].as_u64();
+    assert!((Some(20)..=Some(60)).contains(&pieces), "{pieces:?}");
+    assert_eq!(report["measures"][0]["measure"], "laplacian");
+    assert!(report["overall"]["median"].as_f64() > Some(1.0));
+    place.refused(
+        2,
+        "evaluate scan.ply --hole 0.6",
+        &["--hole", "0.25", "0.6"],
+    );
+    place.refused(2, "evaluate scan.ply --pieces 5", &["--pieces", "60"]);
+    place.text("points.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n");
+    place.refused(1, "evaluate points.off", &["points.off", "no faces"]);
+}

@@ -4,6 +4,7 @@
 
 mod arguments;
 mod complete;
+mod evaluate;
 mod fit;
 mod holes;
 mod messages;
@@ -58,6 +59,8 @@ struct Common {
 enum Command {
     /// Complete the missing parts of a scan
     Complete(complete::Arguments),
+    /// Cut holes out of a scan, complete them, and judge the fills by how the surface itself varies
+    Evaluate(evaluate::Arguments),
     /// Fit a base surface: parameters, residuals, how the other kinds compare
     Fit(fit::Arguments),
     /// List every boundary loop: id, edges, length, area estimate, hole or outer rim
@@ -97,6 +100,7 @@ pub(crate) fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     };
     let reply = match &cli.command {
         Command::Complete(arguments) => complete::run(arguments, &common),
+        Command::Evaluate(arguments) => evaluate::run(arguments, &common),
         Command::Fit(arguments) => fit::run(arguments, &common),
         Command::Holes(arguments) => holes::run(arguments),
         Command::Stats(arguments) => stats::run(arguments),
@@ -110,6 +114,7 @@ impl Command {
     fn files(&self) -> (&'static str, Option<&Path>, Option<&Path>) {
         match self {
             Self::Complete(a) => ("complete", Some(&a.input), Some(&a.output)),
+            Self::Evaluate(a) => ("evaluate", Some(&a.input), None),
             Self::Fit(a) => ("fit", Some(&a.input), None),
             Self::Holes(a) => ("holes", Some(&a.input), None),
             Self::Stats(a) => ("stats", Some(&a.input), None),
@@ -162,6 +167,18 @@ mod tests {
             ..default
         };
         assert_eq!(given, as_in_paper);
+    }
+
+    #[test]
+    fn bare_evaluate_arguments_are_the_librarys_defaults() {
+        let params = |line: &str| match Cli::try_parse_from(line.split(' ')).unwrap().command {
+            Command::Evaluate(arguments) => arguments.params(0),
+            _ => unreachable!(),
+        };
+        let default = relievo::evaluation::EvaluationParams::default();
+        assert_eq!(params("relievo evaluate in.ply"), default);
+        let all = "relievo evaluate in.ply --hole 0.04 --repeat 3 --pieces 128 --fill completed";
+        assert_eq!(params(all), default);
     }
 
     #[test]

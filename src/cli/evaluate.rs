@@ -1,0 +1,251 @@
+//! `relievo evaluate`
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use relievo::completion::CompletionError;
+use relievo::evaluation::{
+    self, Evaluation, EvaluationError, EvaluationParams, FillKind, HeightsOver, Repeat, Summary,
+};
+use relievo::likeness::FigureScore;
+use relievo::scan;
+use serde_json::{Map, Value, json};
+
+use super::Common;
+use super::complete::How;
+use super::messages::Bar;
+use super::outcome::{Failure, Reply};
+
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// The scan: PLY, OBJ, OFF or STL; - for PLY on standard input
+    #[arg(value_name = "SCAN")]
+    pub(super) input: PathBuf,
+    /// Share of the scan's area that each hole takes, up to 0.25
+    #[arg(
+        long,
+        value_name = "FRACTION",
+        default_value_t = 0.04,
+        allow_negative_numbers = true
+    )]
+    hole: f64,
+    /// Number of holes, each cut out of the whole scan
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    repeat: usize,
+    /// Number of true pieces that figures are calibrated with, at least 60
+    #[arg(long, value_name = "N", default_value_t = 128)]
+    pieces: usize,
+    /// What the holes are filled with
+    #[arg(long, value_enum, default_value_t = FillName::Completed)]
+    fill: FillName,
+    #[command(flatten)]
+    how: How,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum FillName {
+    /// What `relievo complete` fills them with
+    Completed,
+    /// The base surface alone, in colours blended from the rim, for comparison
+    Smooth,
+}
+
+impl Arguments {
+    pub(super) fn params(&self, seed: u32) -> EvaluationParams {
+        EvaluationParams {
+            hole: self.hole,
+            repeat: self.repeat,
+            pieces: self.pieces,
+            fill: match self.fill {
+                FillName::Completed => FillKind::Completed,
+                FillName::Smooth => FillKind::Smooth,
+            },
+            complete: self.how.params(seed),
+            seed,
+        }
+    }
+}
+
+pub(super) fn run(arguments: &Arguments, common: &Common) -> super::Result {
+    let params = arguments.params(common.seed);
+    let mut known = Map::new();
+    known.insert("parameters".into(), json!(params));
+    work(arguments, common, &params, &mut known).map_err(|failure| Failure {
+        json: known,
+        ..failure
+    })
+}
+
+fn work(
+    arguments: &Arguments,
+    common: &Common,
+    params: &EvaluationParams,
+    known: &mut Map<String, Value>,
+) -> super::Result {
+    params.check().map_err(|error| Failure {
+        usage: true,
+        ..error.into()
+    })?;
+    let input = scan::read(&arguments.input)?;
+    let mut bar = Bar::new(common);
+    let evaluated = evaluation::evaluate(&input, params, &mut |progress| bar.show(progress));
+    drop(bar);
+    let evaluation = evaluated.map_err(|error| failed(error, arguments))?;
+    if let Value::Object(members) = json!(evaluation) {
+        known.extend(members);
+    }
+    Ok(Reply {
+        partly: !evaluation.failed.is_empty(),
+        text: told(&evaluation),
+        json: std::mem::take(known),
+    })
+}
+
+fn failed(error: EvaluationError, arguments: &Arguments) -> Failure {
+    let usage = matches!(
+        error,
+        EvaluationError::Completion(CompletionError::NoSuchLoop { .. })
+    );
+    let file = arguments.input.display().to_string();
+    Failure {
+        usage,
+        ..anyhow::Error::new(error).context(file).into()
+    }
+}
+
+/// A table for people, and what it means in words.
+fn told(evaluation: &Evaluation) -> String {
+    let mut text = format!(
+        "{:<24} {:>9} {:>9} {:>11}\n",
+        "score (1 = natural)", "median", "worst", "outside"
+    );
+    let mut row = |name: &str, scores: &Summary| {
+        let outside = format!("{} of {}", scores.outside, scores.holes);
+        let _ = writeln!(
+            text,
+            "{name:<24} {:>9.2} {:>9.2} {outside:>11}",
+            scores.median, scores.worst
+        );
+    };
+    for measure in &evaluation.measures {
+        row(measure.measure.name(), &measure.scores);
+    }
+    row("all together", &evaluation.overall);
+    text.push('\n');
+    figures(&mut text, &evaluation.repeats);
+    text.push('\n');
+    in_words(&mut text, evaluation);
+    text
+}
+
+/// Plain figures, hole by hole.
+fn figures(text: &mut String, repeats: &[Repeat]) {
+    /// A row: its name, and how to read it off a hole.
+    type Row = (&'static str, fn(&Repeat) -> Option<f64>);
+    let rows: [Row; 9] = [
+        ("Sq, completed/original", Repeat::sq_ratio),
+        ("Sdq, completed/original", Repeat::sdq_ratio),
+        ("RMSE to truth/Sq", Repeat::rmse_over_sq),
+        ("mean integral - truth, %", |r| {
+            Some(r.against_truth?.mean_integral_difference_percent)
+        }),
+        ("least colour hist. corr.", |r| {
+            r.color_correlation?.into_iter().reduce(f64::min)
+        }),
+        ("copied with neighbors", |r| {
+            Some(r.copies?.neighboring_edges)
+        }),
+        ("largest piece copied", |r| Some(r.copies?.largest_piece)),
+        ("most re-used source", |r| {
+            Some(r.copies?.most_reused as f64)
+        }),
+        ("seconds", |r| Some(r.seconds)),
+    ];
+    let _ = write!(text, "{:<24}", "hole");
+    for number in 1..=repeats.len() {
+        let _ = write!(text, " {number:>9}");
+    }
+    text.push('\n');
+    for (name, get) in rows {
+        let values: Vec<Option<f64>> = repeats.iter().map(get).collect();
+        if values.iter().all(Option::is_none) {
+            continue;
+        }
+        let _ = write!(text, "{name:<24}");
+        for value in values {
+            let value = value.map_or("-".to_owned(), |value| format!("{value:.3}"));
+            let _ = write!(text, " {value:>9}");
+        }
+        text.push('\n');
+    }
+}
+
+fn in_words(text: &mut String, evaluation: &Evaluation) {
+    let outside: Vec<String> = (evaluation.measures.iter())
+        .filter(|m| m.scores.outside > 0)
+        .map(|m| {
+            let worst = worst_figures(&evaluation.repeats, m.measure);
+            format!("{} ({worst})", m.measure.name())
+        })
+        .collect();
+    let _ = if outside.is_empty() {
+        writeln!(
+            text,
+            "All measures are within this surface's natural variation."
+        )
+    } else {
+        writeln!(
+            text,
+            "Outside of this surface's natural variation: {}.",
+            outside.join("; ")
+        )
+    };
+    let copies = || evaluation.repeats.iter().filter_map(|r| r.copies);
+    let (pastes, garbage) = (
+        copies().filter(|c| c.is_paste).count(),
+        copies().filter(|c| c.is_garbage).count(),
+    );
+    if pastes > 0 {
+        let _ = writeln!(text, "Most of {pastes} fill(s) is one verbatim copy.");
+    }
+    if garbage > 0 {
+        let _ = writeln!(text, "Much of {garbage} fill(s) is copied from one vertex.");
+    }
+    let uncut = |r: &&Repeat| r.heights_over == HeightsOver::Uncut;
+    let count = evaluation.repeats.iter().filter(uncut).count();
+    if count > 0 {
+        let _ = writeln!(
+            text,
+            "No base surface fits the whole scan: in {count} hole(s) heights are over the one that comes nearest, form included."
+        );
+    }
+    for reason in &evaluation.failed {
+        let _ = writeln!(text, "A hole was left open: {reason}.");
+    }
+}
+
+/// The figures of a measure that are outside in some hole, with the worst score of each, worst first.
+fn worst_figures(repeats: &[Repeat], measure: relievo::likeness::Measure) -> String {
+    let mut worst: Vec<(String, f64)> = Vec::new();
+    let outside = |f: &&FigureScore| f.score.is_some_and(|score| score.score > 1.0);
+    for found in (repeats.iter())
+        .flat_map(|r| &r.judgement.figures)
+        .filter(|f| f.figure.measure == measure)
+        .filter(outside)
+    {
+        let score = found.score.map_or(0.0, |score| score.score);
+        match worst
+            .iter_mut()
+            .find(|(name, _)| *name == found.figure.name)
+        {
+            Some((_, known)) => *known = known.max(score),
+            None => worst.push((found.figure.name.clone(), score)),
+        }
+    }
+    worst.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    let told: Vec<String> = (worst.iter().take(4))
+        .map(|(name, score)| format!("{name} {score:.1}"))
+        .collect();
+    told.join(", ")
+}
