@@ -5,16 +5,15 @@ mod common;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use common::{assert_only_appended, cut, loops, real, synthetic, to_scan, values};
+use common::{completed, cut, loops, real, synthetic, to_scan, values};
 use nalgebra::{Point3, Vector3};
 use relievo::base::{BaseChoice, FitParams, Form};
 use relievo::completion::{
-    CompleteParams, Completion, CompletionError, HoleChoice, Method, complete, remembered_base,
+    CompleteParams, CompletionError, HoleChoice, Method, complete, remembered_base,
     remembered_free_form,
 };
 use relievo::mesh::{LoopKind, TriMesh, check, euler_characteristic, triangle_normal};
 use relievo::sampling::{SpacingRule, edge_spacing};
-use relievo::scan::Scan;
 use relievo::stats;
 use relievo::synth::{Kind, Part};
 
@@ -49,19 +48,6 @@ fn off_torus(p: &Point3<f64>) -> f64 {
 
 fn outside() -> Point3<f64> {
     Point3::new(MAJOR + MINOR, 0.0, 0.0)
-}
-
-fn completed(scan: &Scan, params: &CompleteParams) -> (Completion, TriMesh) {
-    let completion = complete(scan, params, &mut |_| {}).expect("it can be completed");
-    assert!(
-        completion.report.skipped.is_empty(),
-        "{:?}",
-        completion.report.skipped
-    );
-    assert_only_appended(scan, &completion.scan);
-    let mesh = completion.scan.mesh();
-    assert_eq!(check(&mesh), Ok(()));
-    (completion, mesh)
 }
 
 fn free_form() -> CompleteParams {

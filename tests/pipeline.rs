@@ -38,15 +38,7 @@ fn extending() -> CompleteParams {
 /// Completes, and checks what holds for every completion.
 #[track_caller]
 fn completed(scan: &Scan, params: &CompleteParams) -> (Completion, TriMesh) {
-    let completion = complete(scan, params, &mut |_| {}).expect("it can be completed");
-    assert!(
-        completion.report.skipped.is_empty(),
-        "{:?}",
-        completion.report.skipped
-    );
-    assert_only_appended(scan, &completion.scan);
-    let mesh = completion.scan.mesh();
-    assert_eq!(check(&mesh), Ok(()));
+    let (completion, mesh) = common::completed(scan, params);
     assert!(
         mesh.used_vertices()[scan.vertices.rows..]
             .iter()

@@ -5,8 +5,8 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use nalgebra::Point3;
-use relievo::completion::{COMPLETED, HEIGHT, SOURCE};
-use relievo::mesh::{Adjacency, BoundaryLoop, Csr, TriMesh, boundary_loops};
+use relievo::completion::{COMPLETED, CompleteParams, Completion, HEIGHT, SOURCE, complete};
+use relievo::mesh::{Adjacency, BoundaryLoop, Csr, TriMesh, boundary_loops, check};
 use relievo::scan::{Channel, Column, Scan, Table};
 use relievo::synth::{Kind, Part, SynthParams, scan as synthesize};
 
@@ -221,4 +221,19 @@ pub(crate) fn real(name: &str) -> Option<Scan> {
         path.display()
     );
     None
+}
+
+/// Completes all that is chosen, and checks what holds for every completion.
+#[track_caller]
+pub(crate) fn completed(scan: &Scan, params: &CompleteParams) -> (Completion, TriMesh) {
+    let completion = complete(scan, params, &mut |_| {}).expect("it can be completed");
+    assert!(
+        completion.report.skipped.is_empty(),
+        "{:?}",
+        completion.report.skipped
+    );
+    assert_only_appended(scan, &completion.scan);
+    let mesh = completion.scan.mesh();
+    assert_eq!(check(&mesh), Ok(()));
+    (completion, mesh)
 }
