@@ -58,3 +58,11 @@
 //! # Bergou et al. 2006
 //! M. Bergou, M. Wardetzky, D. Harmon, D. Zorin, E. Grinspun: *A quadratic bending model for inextensible
 //! surfaces.* Eurographics Symposium on Geometry Processing, 227–230, 2006.
+//!
+//! # Hoppe et al. 1992
+//! H. Hoppe, T. `DeRose`, T. Duchamp, J. `McDonald`, W. Stuetzle: *Surface reconstruction from unorganized
+//! points.* Computer Graphics (Proceedings of ACM SIGGRAPH) 26(2), 71–78, 1992.
+//!
+//! # Gopi, Krishnan & Silva 2000
+//! M. Gopi, S. Krishnan, C. T. Silva: *Surface reconstruction based on lower dimensional localized Delaunay
+//! triangulation.* Computer Graphics Forum (Proceedings of Eurographics) 19(3), 467–478, 2000.

@@ -8,8 +8,10 @@
 //! |---|---|---|
 //! | [`rng`] | seed → Mersenne twister, the only door to randomness | Matsumoto & Nishimura 1998 |
 //! | [`mesh`] | triangle mesh, adjacency, boundary loops, normals, invariant check | |
-//! | [`scan`] | file → [`scan::Scan`] (vertices, faces, every channel) and back | PLY, OBJ, OFF, STL |
+//! | [`scan`] | file → [`scan::Scan`] (vertices, faces, every channel) and back | PLY, OBJ, STL, OFF, glTF, XYZ, PTX, PCD, E57, LAS, depth images |
+//! | [`repair`] | scan → the same vertices with faces that can be completed, and what was done | |
 //! | [`base`] | mesh → base surface, [`base::FitReport`]; or free form, [`base::smooth_form`] | [`bibliography#breckon--fisher-2005`] §3 |
+//! | [`cloud`] | scan of points only → scan with faces | [`bibliography#gopi-krishnan--silva-2000`] |
 //! | [`relief`] | mesh + base → heights, corrected normals; and heights + base → points | §3, Fig. 5 |
 //! | [`sampling`] | hole + base → target vertices, stitched triangulation; 1-to-4 subdivision | §4 |
 //! | [`neighborhood`] | vertex → neighbors within a window; place → values on a stencil in its tangent frame | §3; [`bibliography#wei--levoy-2001`] §3.3 |
@@ -27,7 +29,9 @@ pub mod bibliography;
 pub mod rng;
 pub mod mesh;
 pub mod scan;
+pub mod repair;
 pub mod base;
+pub mod cloud;
 pub mod relief;
 pub mod sampling;
 pub mod neighborhood;

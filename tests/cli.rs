@@ -3,149 +3,16 @@
 mod common;
 
 use std::fs;
-use std::io::Write;
-use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use common::place::Place;
 use common::{assert_only_appended, cut, holed, moved, synthetic, to_scan, values};
 use nalgebra::{Point3, Vector3};
 use relievo::mesh::{TriMesh, check};
-use relievo::scan::{Column, Scan, WriteOptions, read, write};
+use relievo::scan::{Column, Scan};
 use relievo::synth::{Kind, Part};
 use serde_json::Value;
-use tempfile::TempDir;
-
-/// What a run of the program gave.
-struct Run {
-    code: i32,
-    stdout: Vec<u8>,
-    stderr: String,
-}
-
-/// A folder in which the program runs.
-struct Place(TempDir);
-
-impl Place {
-    fn new() -> Self {
-        Self(tempfile::tempdir().expect("there is room for a folder"))
-    }
-
-    fn with(name: &str, scan: &Scan) -> Self {
-        let place = Self::new();
-        place.put(name, scan);
-        place
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn put(&self, name: &str, scan: &Scan) {
-        write(scan, &self.path(name), &WriteOptions::default()).expect("it can be written");
-    }
-
-    fn text(&self, name: &str, text: &str) {
-        fs::write(self.path(name), text).expect("it can be written");
-    }
-
-    fn scan(&self, name: &str) -> Scan {
-        read(&self.path(name)).expect("it is a scan")
-    }
-
-    fn bytes(&self, name: &str) -> Vec<u8> {
-        fs::read(self.path(name)).expect("it is there")
-    }
-
-    fn json(&self, name: &str) -> Value {
-        serde_json::from_slice(&self.bytes(name)).expect("it is JSON")
-    }
-
-    /// Runs with blanks between the arguments.
-    fn run(&self, line: &str) -> Run {
-        self.run_with(line, &[])
-    }
-
-    fn run_with(&self, line: &str, stdin: &[u8]) -> Run {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_relievo"))
-            .args(line.split_whitespace())
-            .current_dir(self.0.path())
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .expect("the program starts");
-        // A program that does not read closes the pipe, which is its right.
-        let _ = child.stdin.take().expect("it is piped").write_all(stdin);
-        let output = child.wait_with_output().expect("the program ends");
-        let stderr = String::from_utf8(output.stderr).expect("messages are UTF-8");
-        assert!(!stderr.contains("panicked"), "{line}: {stderr}");
-        assert!(
-            !stderr.contains(['\r', '\x1b']),
-            "bars without a terminal: {stderr:?}"
-        );
-        Run {
-            code: output.status.code().expect("no signal ended it"),
-            stdout: output.stdout,
-            stderr,
-        }
-    }
-
-    /// Names of all files, in order.
-    fn files(&self) -> Vec<String> {
-        let mut names: Vec<String> = fs::read_dir(self.0.path())
-            .expect("the folder is there")
-            .map(|entry| entry.expect("and can be read").file_name())
-            .map(|name| name.into_string().expect("names are UTF-8"))
-            .collect();
-        names.sort();
-        names
-    }
-
-    /// Runs and expects code 0.
-    #[track_caller]
-    fn done(&self, line: &str) -> Run {
-        let run = self.run(line);
-        assert_eq!(run.code, 0, "{line}: {}", run.stderr);
-        run
-    }
-
-    /// Expects the code, one sentence on standard error that has all `words`, nothing on standard
-    /// output, and no new file but the JSON, which says the same.
-    #[track_caller]
-    fn refused(&self, code: i32, line: &str, words: &[&str]) {
-        let before = self.files();
-        let run = self.run(line);
-        assert_eq!(run.code, code, "{line}: {}", run.stderr);
-        for word in words {
-            assert!(
-                run.stderr.contains(word),
-                "{line}: no {word:?} in {}",
-                run.stderr
-            );
-        }
-        assert_eq!(run.stderr.lines().count(), 1, "{line}: {}", run.stderr);
-        assert!(
-            run.stderr.starts_with("relievo: error: "),
-            "{line}: {}",
-            run.stderr
-        );
-        assert!(run.stdout.is_empty(), "{line}");
-        assert_eq!(self.files(), before, "{line} left something behind");
-
-        let again = self.run(&format!("{line} --json -"));
-        assert_eq!(again.code, code, "{line} --json -");
-        let json: Value = serde_json::from_slice(&again.stdout).expect("it is JSON");
-        assert_eq!(json["status"], "failed", "{line}");
-        let message = json["error"].as_str().expect("the JSON says why");
-        assert_eq!(run.stderr, format!("relievo: error: {message}\n"));
-        assert_eq!(
-            self.files(),
-            before,
-            "{line} --json - left something behind"
-        );
-    }
-}
 
 const QUICK: &str = "--window 2 --rotations 1";
 
@@ -312,8 +179,8 @@ fn other_formats_are_written() {
     }
     place.refused(
         2,
-        "complete in.ply -o x.off",
-        &["x.off", ".ply, .obj or .stl"],
+        "complete in.ply -o x.pcd",
+        &["x.pcd", ".ply, .obj, .off, .stl or .glb"],
     );
     place.refused(2, "complete in.ply -o x.xyz", &["x.xyz", ".ply"]);
 }
@@ -385,8 +252,8 @@ fn files_that_are_no_scans_are_refused() {
         &format!("{}0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", header(3, 1)),
     );
     refused("index.ply", &["vertex 7", "only 3"]);
-    place.text("scan.e57", "not read");
-    refused("scan.e57", &["extension", ".ply"]);
+    place.text("scan.docx", "not read");
+    refused("scan.docx", &["extension", ".ply"]);
 }
 
 #[test]
@@ -425,14 +292,11 @@ fn memory_follows_the_file_and_not_its_header() {
 #[test]
 fn scans_without_a_surface_are_refused() {
     let place = Place::new();
-    place.text(
-        "points.ply",
-        &format!("{}0 0 0\n1 0 0\n0 1 0\n", header(3, 0)),
-    );
+    place.text("points.ply", &format!("{}0 0 0\n1 0 0\n", header(2, 0)));
     place.refused(
         1,
         "complete points.ply -o out.ply",
-        &["points.ply", "no faces", "triangulate"],
+        &["points.ply", "too few", "export"],
     );
     let line: String = (0..5).map(|i| format!("{i} {i} 0\n")).collect();
     place.text(
@@ -619,14 +483,19 @@ fn with_fin(two: bool) -> Scan {
 fn a_hole_with_a_broken_rim_stays_open() {
     let place = Place::with("one.ply", &with_fin(false));
     place.put("two.ply", &with_fin(true));
-    let run = place.run(&format!("complete one.ply -o out.ply {QUICK}"));
+    let run = place.run(&format!("complete one.ply -o out.ply --no-repair {QUICK}"));
     assert_eq!(run.code, 1, "{}", run.stderr);
     assert!(run.stderr.contains("repair"), "{}", run.stderr);
     assert_eq!(place.files(), ["one.ply", "two.ply"]);
-    let run = place.run(&format!("complete two.ply -o out.ply {QUICK}"));
+    let run = place.run(&format!("complete two.ply -o out.ply --no-repair {QUICK}"));
     assert_eq!(run.code, 3, "{}", run.stderr);
     assert!(run.stderr.contains("repair"), "{}", run.stderr);
     assert_only_appended(&place.scan("two.ply"), &place.scan("out.ply"));
+    // Repaired, which is what happens unless it is switched off, both are filled.
+    for name in ["one.ply", "two.ply"] {
+        let run = place.done(&format!("complete {name} -o out.ply {QUICK}"));
+        assert!(run.stderr.contains("more than two meet"), "{}", run.stderr);
+    }
 }
 
 #[test]
@@ -846,6 +715,6 @@ fn evaluate_tells_scores_in_a_table_in_words_and_as_json() {
         &["--hole", "0.25", "0.6"],
     );
     place.refused(2, "evaluate scan.ply --pieces 5", &["--pieces", "60"]);
-    place.text("points.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n");
-    place.refused(1, "evaluate points.off", &["points.off", "no faces"]);
+    place.text("points.off", "OFF\n2 0 0\n0 0 0\n1 0 0\n");
+    place.refused(1, "evaluate points.off", &["points.off", "too few"]);
 }

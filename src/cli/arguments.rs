@@ -4,9 +4,11 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 use relievo::base::{BaseChoice, BaseKind};
-use relievo::completion::HoleChoice;
+use relievo::cloud::JoinChoice;
+use relievo::completion::{HoleChoice, Paint};
+use relievo::repair::RepairParams;
 use relievo::sampling::SpacingRule;
-use relievo::scan::Format;
+use relievo::scan::{Format, Intrinsics};
 use relievo::synth::Kind;
 
 use super::outcome::Failure;
@@ -14,9 +16,9 @@ use super::outcome::Failure;
 /// The format to write a scan in.
 pub(super) fn output_format(path: &Path) -> Result<Format, Failure> {
     match Format::of_path(path) {
-        Ok(format @ (Format::Ply | Format::Obj | Format::Stl)) => Ok(format),
-        Ok(Format::Off) | Err(_) => Err(Failure::usage(format!(
-            "{}: scans are written as .ply, .obj or .stl: give the output one of these extensions",
+        Ok(format) if format.can_be_written() => Ok(format),
+        _ => Err(Failure::usage(format!(
+            "{}: scans are written as .ply, .obj, .off, .stl or .glb: give the output one of these extensions",
             path.display()
         ))),
     }
@@ -41,6 +43,59 @@ pub(super) fn form(text: &str) -> Result<BaseChoice, String> {
     }
 }
 
+/// The camera of a depth image.
+pub(super) fn intrinsics(text: &str) -> Result<Intrinsics, String> {
+    let expected = "expected four numbers with commas between: focal lengths above 0 and principal point, in pixels";
+    let parts: Vec<f64> = text
+        .split(',')
+        .map(|part| part.trim().parse())
+        .collect::<Result<_, _>>()
+        .map_err(|_| expected.to_owned())?;
+    match *parts.as_slice() {
+        [fx, fy, cx, cy] if fx > 0.0 && fy > 0.0 && parts.iter().all(|value| value.is_finite()) => {
+            Ok(Intrinsics { fx, fy, cx, cy })
+        }
+        _ => Err(expected.into()),
+    }
+}
+
+/// How points become a surface.
+pub(super) fn join(text: &str) -> Result<JoinChoice, String> {
+    match text {
+        "auto" => Ok(JoinChoice::Auto),
+        "chart" => Ok(JoinChoice::Chart),
+        "local" => Ok(JoinChoice::Local),
+        _ => Err("expected auto, chart or local".into()),
+    }
+}
+
+/// The steps of repair but for those named.
+pub(super) fn no_repair(text: &str) -> Result<RepairParams, String> {
+    let mut params = RepairParams::default();
+    for step in text.split(',') {
+        let switch = match step.trim() {
+            "all" => {
+                params = RepairParams::NONE;
+                continue;
+            }
+            "degenerate" => &mut params.degenerate,
+            "duplicates" => &mut params.duplicates,
+            "weld" => &mut params.weld,
+            "manifold" => &mut params.manifold,
+            "orient" => &mut params.orient,
+            "spikes" => &mut params.spikes,
+            _ => {
+                return Err(
+                    "expected degenerate, duplicates, weld, manifold, orient or spikes, with commas between"
+                        .into(),
+                );
+            }
+        };
+        *switch = false;
+    }
+    Ok(params)
+}
+
 pub(super) fn yes_or_no(text: &str) -> Result<bool, String> {
     match text {
         "yes" => Ok(true),
@@ -51,9 +106,36 @@ pub(super) fn yes_or_no(text: &str) -> Result<bool, String> {
 
 /// A positive length in the scan's unit.
 pub(super) fn length(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(length) if length > 0.0 && length.is_finite() => Ok(length),
-        _ => Err("expected a positive length in the scan's unit".into()),
+    positive(text).ok_or_else(|| "expected a positive length in the scan's unit".into())
+}
+
+/// A positive area.
+pub(super) fn area(text: &str) -> Result<f64, String> {
+    positive(text).ok_or_else(|| "expected a positive area in square units of the scan".into())
+}
+
+fn positive(text: &str) -> Option<f64> {
+    let number: f64 = text.parse().ok()?;
+    (number > 0.0 && number.is_finite()).then_some(number)
+}
+
+/// Vertices that are painted.
+pub(super) fn paint(text: &str) -> Result<Paint, String> {
+    if let Some(digits) = text.strip_prefix('#') {
+        let is_color = digits.len() == 6 && digits.bytes().all(|b| b.is_ascii_hexdigit());
+        let channel = |k: usize| u8::from_str_radix(&digits[2 * k..2 * k + 2], 16).ok();
+        return match is_color.then(|| [0, 1, 2].map(channel)) {
+            Some([Some(r), Some(g), Some(b)]) => Ok(Paint::Color([r, g, b])),
+            _ => Err("expected a colour of six hexadecimal digits, as in #ff0000".into()),
+        };
+    }
+    match text.split_once('=') {
+        Some((name, value)) => match value.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(Paint::Value(name.to_owned(), value)),
+            _ => Err("expected a number behind =, as in label=3".into()),
+        },
+        None if text.is_empty() => Err("expected the name of a vertex property".into()),
+        None => Ok(Paint::Channel(text.to_owned())),
     }
 }
 

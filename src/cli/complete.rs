@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use relievo::base::{BaseChoice, FitParams};
 use relievo::completion::{
-    self, CompleteParams, CompletionError, CompletionReport, HoleChoice, Method,
+    self, CompleteParams, CompletionError, CompletionReport, HoleChoice, HoleLimits, Method, Paint,
 };
 use relievo::sampling::SpacingRule;
 use relievo::scan::{self, OutputFile, WriteOptions};
@@ -15,13 +15,15 @@ use serde_json::{Map, Value, json};
 
 use super::messages::Bar;
 use super::outcome::{Failure, Reply};
+use super::reading::{Input, Preparation};
 use super::{Common, arguments};
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// The scan: PLY, OBJ, OFF or STL; - for PLY on standard input
-    #[arg(value_name = "IN")]
-    pub(super) input: PathBuf,
+    #[command(flatten)]
+    pub(super) input: Input,
+    #[command(flatten)]
+    pub(super) prepare: Preparation,
     /// The completed scan: .ply, .obj or .stl; - for PLY on standard output
     #[arg(short, long, value_name = "OUT")]
     pub(super) output: PathBuf,
@@ -29,6 +31,19 @@ pub(super) struct Arguments {
     /// or numbers from `relievo holes`, as in 3,7
     #[arg(long, value_name = "WHICH", default_value = "interior", value_parser = arguments::holes)]
     holes: HoleChoice,
+    /// Leave holes open with more edges around them than this
+    #[arg(long, value_name = "N")]
+    max_edges: Option<usize>,
+    /// Leave holes open that are longer than this around, in the scan's unit
+    #[arg(long, value_name = "LENGTH", value_parser = arguments::length)]
+    max_length: Option<f64>,
+    /// Leave holes open that are larger than this, in square units of the scan
+    #[arg(long, value_name = "AREA", value_parser = arguments::area)]
+    max_area: Option<f64>,
+    /// Only holes with a painted vertex at their rim: vertices with the property NAME other than 0, or equal
+    /// to VALUE, or of the colour RRGGBB (two hexadecimal digits each)
+    #[arg(long, value_name = "NAME|NAME=VALUE|#RRGGBB", value_parser = arguments::paint)]
+    mask: Option<Paint>,
     /// Continue over the rest of the base surface: of the sphere, of the cylinder's or cone's wall
     /// between the scan's ends, of the plane's bounding rectangle
     #[arg(long)]
@@ -122,6 +137,14 @@ pub(super) struct How {
     /// length in the scan's unit [default: nyquist]
     #[arg(long, value_name = "RULE", value_parser = arguments::spacing)]
     spacing: Option<SpacingRule>,
+    /// Do not copy from pieces of surface with fewer vertices than this share of the largest piece's
+    #[arg(
+        long,
+        value_name = "SHARE",
+        default_value_t = 0.01,
+        allow_negative_numbers = true
+    )]
+    stray: f64,
     /// Let completed vertices become samples
     #[arg(long)]
     bootstrap: bool,
@@ -142,6 +165,12 @@ impl Arguments {
     pub(super) fn params(&self, seed: u32) -> CompleteParams {
         CompleteParams {
             holes: self.holes.clone(),
+            limits: HoleLimits {
+                max_edges: self.max_edges,
+                max_length: self.max_length,
+                max_area: self.max_area,
+            },
+            paint: self.mask.clone(),
             extend: self.extend,
             ..self.how.params(seed)
         }
@@ -157,8 +186,7 @@ impl How {
                 ..FitParams::default()
             },
             form_wavelength: self.form_wavelength,
-            holes: HoleChoice::default(),
-            extend: false,
+            stray: self.stray,
             window: self.window,
             rotations: self.rotations,
             tolerance: self.tolerance,
@@ -177,6 +205,7 @@ impl How {
             audit: self.audit,
             memory: self.memory,
             seed,
+            ..CompleteParams::default()
         }
     }
 }
@@ -184,7 +213,7 @@ impl How {
 pub(super) fn run(arguments: &Arguments, common: &Common) -> super::Result {
     let params = arguments.params(common.seed);
     let mut known = Map::new();
-    known.insert("output".into(), json!(arguments.output));
+    known.insert("output".into(), json!(arguments.output.to_string_lossy()));
     known.insert("method".into(), json!(params.method));
     known.insert("seed".into(), json!(common.seed));
     known.insert("parameters".into(), json!(params));
@@ -205,11 +234,11 @@ fn work(
         ..error.into()
     })?;
     let format = arguments::output_format(&arguments.output)?;
-    let protected = (!arguments.overwrite).then_some(arguments.input.as_path());
+    let protected = (!arguments.overwrite).then_some(arguments.input.path.as_path());
     let mut output = OutputFile::create(&arguments.output, protected)?;
-    let input = scan::read(&arguments.input)?;
+    let surface = arguments.prepare.surface(&arguments.input, common, known)?;
     let mut bar = Bar::new(common);
-    let completed = completion::complete(&input, params, &mut |progress| bar.show(progress));
+    let completed = completion::complete(&surface.scan, params, &mut |progress| bar.show(progress));
     drop(bar);
     let completion = completed.map_err(|error| failed(error, arguments))?;
     let report = &completion.report;
@@ -217,7 +246,7 @@ fn work(
     if report.filled.is_empty() {
         let message = format!(
             "{}: no hole could be filled; {}",
-            arguments.input.display(),
+            arguments.input.name(),
             (by_reason(report).iter())
                 .map(|(ids, reason)| format!("loop {ids}: {reason}"))
                 .collect::<Vec<_>>()
@@ -229,12 +258,13 @@ fn work(
         ascii: arguments.ascii,
     };
     let name = output.name().to_owned();
-    scan::write_to(&completion.scan, &mut output, format, &options, &name)?;
+    let finished = surface.restore(completion.scan);
+    scan::write_to(&finished, &mut output, format, &options, &name)?;
     output.commit()?;
     // After the scan is safe: they take time and memory of their own.
     // On free form they would take another solve as long as all the rest: `relievo stats` has them.
     if report.base_fits {
-        match stats::compare(&completion.scan) {
+        match stats::compare(&finished) {
             Ok(comparison) => {
                 known.insert("statistics".into(), json!(comparison));
             }
@@ -251,8 +281,14 @@ fn work(
 }
 
 fn failed(error: CompletionError, arguments: &Arguments) -> Failure {
-    let usage = matches!(error, CompletionError::NoSuchLoop { .. });
-    let file = arguments.input.display().to_string();
+    let usage = matches!(
+        error,
+        CompletionError::NoSuchLoop { .. }
+            | CompletionError::NoSuchChannel { .. }
+            | CompletionError::NoColors
+            | CompletionError::NothingPainted
+    );
+    let file = arguments.input.name();
     Failure {
         usage,
         ..anyhow::Error::new(error).context(file).into()
@@ -291,6 +327,13 @@ fn tell(report: &CompletionReport, common: &Common) {
             text,
             "; {} outer rim(s) left alone",
             report.counts.rims_left
+        );
+    }
+    if report.counts.holes_left > 0 {
+        let _ = write!(
+            text,
+            "; {} hole(s) left open that were not chosen",
+            report.counts.holes_left
         );
     }
     for (ids, reason) in by_reason(report) {

@@ -1,7 +1,6 @@
 //! `relievo evaluate`
 
 use std::fmt::Write;
-use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use relievo::completion::CompletionError;
@@ -9,19 +8,20 @@ use relievo::evaluation::{
     self, Evaluation, EvaluationError, EvaluationParams, FillKind, HeightsOver, Repeat, Summary,
 };
 use relievo::likeness::FigureScore;
-use relievo::scan;
 use serde_json::{Map, Value, json};
 
 use super::Common;
 use super::complete::How;
 use super::messages::Bar;
 use super::outcome::{Failure, Reply};
+use super::reading::{Input, Preparation};
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// The scan: PLY, OBJ, OFF or STL; - for PLY on standard input
-    #[arg(value_name = "SCAN")]
-    pub(super) input: PathBuf,
+    #[command(flatten)]
+    pub(super) input: Input,
+    #[command(flatten)]
+    prepare: Preparation,
     /// Share of the scan's area that each hole takes, up to 0.25
     #[arg(
         long,
@@ -87,9 +87,9 @@ fn work(
         usage: true,
         ..error.into()
     })?;
-    let input = scan::read(&arguments.input)?;
+    let surface = arguments.prepare.surface(&arguments.input, common, known)?;
     let mut bar = Bar::new(common);
-    let evaluated = evaluation::evaluate(&input, params, &mut |progress| bar.show(progress));
+    let evaluated = evaluation::evaluate(&surface.scan, params, &mut |progress| bar.show(progress));
     drop(bar);
     let evaluation = evaluated.map_err(|error| failed(error, arguments))?;
     if let Value::Object(members) = json!(evaluation) {
@@ -107,7 +107,7 @@ fn failed(error: EvaluationError, arguments: &Arguments) -> Failure {
         error,
         EvaluationError::Completion(CompletionError::NoSuchLoop { .. })
     );
-    let file = arguments.input.display().to_string();
+    let file = arguments.input.name();
     Failure {
         usage,
         ..anyhow::Error::new(error).context(file).into()

@@ -1,37 +1,42 @@
 //! `relievo fit`
 
 use std::fmt::Write;
-use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
 use relievo::base::{self, BaseChoice, BaseSurface, FitParams, FitReport};
-use relievo::scan;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use super::outcome::Reply;
+use super::reading::{Input, Preparation};
 use super::{Common, arguments};
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// The scan: PLY, OBJ, OFF or STL; - for PLY on standard input
-    #[arg(value_name = "IN")]
-    pub(super) input: PathBuf,
+    #[command(flatten)]
+    pub(super) input: Input,
+    #[command(flatten)]
+    prepare: Preparation,
     /// Base surface: auto, plane, sphere, cylinder or cone
     #[arg(long, value_name = "KIND", default_value = "auto", value_parser = arguments::base)]
     base: BaseChoice,
 }
 
 pub(super) fn run(arguments: &Arguments, common: &Common) -> super::Result {
-    let mesh = scan::read(&arguments.input)?.mesh();
+    let mut known = Map::new();
+    let surface = arguments
+        .prepare
+        .surface(&arguments.input, common, &mut known)?;
+    let mesh = surface.scan.mesh();
     let params = FitParams {
         base: arguments.base,
         seed: common.seed,
         ..FitParams::default()
     };
-    let fit = base::fit(&mesh, &params).with_context(|| arguments.input.display().to_string())?;
+    let fit = base::fit(&mesh, &params).with_context(|| arguments.input.name())?;
     let mut reply = Reply {
         text: table(&fit),
+        json: known,
         ..Reply::default()
     };
     reply.json.insert("fits".into(), json!(fit.fits()));

@@ -4,11 +4,15 @@
 
 mod arguments;
 mod complete;
+mod convert;
 mod evaluate;
 mod fit;
 mod holes;
+mod info;
+mod interrupt;
 mod messages;
 mod outcome;
+mod reading;
 mod stats;
 mod synth;
 
@@ -59,12 +63,16 @@ struct Common {
 enum Command {
     /// Complete the missing parts of a scan
     Complete(complete::Arguments),
+    /// Write a scan in another format
+    Convert(convert::Arguments),
     /// Cut holes out of a scan, complete them, and judge the fills by how the surface itself varies
     Evaluate(evaluate::Arguments),
     /// Fit a base surface: parameters, residuals, how the other kinds compare
     Fit(fit::Arguments),
     /// List every boundary loop: id, edges, length, area estimate, hole or outer rim
     Holes(holes::Arguments),
+    /// Tell what is in a file: vertices, faces, properties, extent, pieces, holes, what would be repaired
+    Info(info::Arguments),
     /// Compare the original part of a completed scan with the completed part
     Stats(stats::Arguments),
     /// Make a test scan with known truth: by default with a hole, or --full, or seen from one side
@@ -87,6 +95,7 @@ pub(crate) fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     };
     let common = cli.common;
     messages::install(&common);
+    interrupt::install();
     if let Some(threads) = common.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
         if let Err(error) = pool.build_global() {
@@ -100,10 +109,12 @@ pub(crate) fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     };
     let reply = match &cli.command {
         Command::Complete(arguments) => complete::run(arguments, &common),
+        Command::Convert(arguments) => convert::run(arguments, &common),
         Command::Evaluate(arguments) => evaluate::run(arguments, &common),
         Command::Fit(arguments) => fit::run(arguments, &common),
-        Command::Holes(arguments) => holes::run(arguments),
-        Command::Stats(arguments) => stats::run(arguments),
+        Command::Holes(arguments) => holes::run(arguments, &common),
+        Command::Info(arguments) => info::run(arguments),
+        Command::Stats(arguments) => stats::run(arguments, &common),
         Command::Synth(arguments) => synth::run(arguments, &common),
     };
     Outcome::of(name, input, reply).deliver(report)
@@ -113,11 +124,13 @@ impl Command {
     /// Its name, its input and its output.
     fn files(&self) -> (&'static str, Option<&Path>, Option<&Path>) {
         match self {
-            Self::Complete(a) => ("complete", Some(&a.input), Some(&a.output)),
-            Self::Evaluate(a) => ("evaluate", Some(&a.input), None),
-            Self::Fit(a) => ("fit", Some(&a.input), None),
-            Self::Holes(a) => ("holes", Some(&a.input), None),
-            Self::Stats(a) => ("stats", Some(&a.input), None),
+            Self::Complete(a) => ("complete", Some(&a.input.path), Some(&a.output)),
+            Self::Convert(a) => ("convert", Some(&a.input.path), Some(&a.output)),
+            Self::Evaluate(a) => ("evaluate", Some(&a.input.path), None),
+            Self::Fit(a) => ("fit", Some(&a.input.path), None),
+            Self::Holes(a) => ("holes", Some(&a.input.path), None),
+            Self::Info(a) => ("info", Some(&a.input.path), None),
+            Self::Stats(a) => ("stats", Some(&a.input.path), None),
             Self::Synth(a) => ("synth", None, Some(&a.output)),
         }
     }
@@ -179,6 +192,20 @@ mod tests {
         assert_eq!(params("relievo evaluate in.ply"), default);
         let all = "relievo evaluate in.ply --hole 0.04 --repeat 3 --pieces 128 --fill completed";
         assert_eq!(params(all), default);
+    }
+
+    #[test]
+    fn bare_preparation_is_the_librarys_default() {
+        let parsed = |line: &str| match Cli::try_parse_from(line.split(' ')).unwrap().command {
+            Command::Complete(arguments) => arguments.prepare.cloud_params(0),
+            _ => unreachable!(),
+        };
+        let default = relievo::cloud::CloudParams::default();
+        assert_eq!(parsed("relievo complete in.xyz -o out.ply"), default);
+        let all = "relievo complete in.xyz -o out.ply --join auto --gap 4";
+        assert_eq!(parsed(all), default);
+        let kept = parsed("relievo complete in.xyz -o out.ply --keep-outliers");
+        assert_eq!(kept.outliers, None);
     }
 
     #[test]

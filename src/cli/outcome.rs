@@ -77,7 +77,7 @@ impl Outcome {
         };
         json.insert("status".into(), status.into());
         if let Some(input) = input {
-            json.insert("input".into(), json!(input));
+            json.insert("input".into(), json!(input.to_string_lossy()));
         }
         json.extend(rest);
         Self { json, text, code }
@@ -165,9 +165,7 @@ impl Report {
             Err(error) => return Err(self.output.error(error).into()),
         }
         match self.output.commit() {
-            Err(ScanError::Write { source, .. }) if source.kind() == ErrorKind::BrokenPipe => {
-                Ok(())
-            }
+            Err(ScanError::ClosedPipe { .. }) => Ok(()),
             result => Ok(result?),
         }
     }

@@ -1,29 +1,33 @@
 //! `relievo stats`
 
 use std::fmt::Write;
-use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
-use relievo::scan;
 use relievo::stats::{self, Comparison};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
+use super::Common;
 use super::outcome::Reply;
+use super::reading::{Input, Preparation};
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// A scan that `relievo complete` wrote as PLY; - for standard input
-    #[arg(value_name = "COMPLETED")]
-    pub(super) input: PathBuf,
+    #[command(flatten)]
+    pub(super) input: Input,
+    #[command(flatten)]
+    prepare: Preparation,
 }
 
-pub(super) fn run(arguments: &Arguments) -> super::Result {
-    let completed = scan::read(&arguments.input)?;
-    let comparison =
-        stats::compare(&completed).with_context(|| arguments.input.display().to_string())?;
+pub(super) fn run(arguments: &Arguments, common: &Common) -> super::Result {
+    let mut known = Map::new();
+    let surface = arguments
+        .prepare
+        .surface(&arguments.input, common, &mut known)?;
+    let comparison = stats::compare(&surface.scan).with_context(|| arguments.input.name())?;
     let mut reply = Reply {
         text: table(&comparison),
+        json: known,
         ..Reply::default()
     };
     if let Value::Object(members) = json!(comparison) {

@@ -83,7 +83,9 @@ pub(super) fn run(arguments: &Arguments, common: &Common) -> super::Result {
     scan::write_to(&made.scan, &mut output, format, &options, &name)?;
     output.commit()?;
     let mut reply = Reply::default();
-    reply.json.insert("output".into(), json!(arguments.output));
+    reply
+        .json
+        .insert("output".into(), json!(arguments.output.to_string_lossy()));
     reply.json.insert("parameters".into(), json!(params));
     reply.json.insert("base".into(), json!(made.base));
     reply

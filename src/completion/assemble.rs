@@ -114,10 +114,14 @@ fn rename_foreign_channels(scan: &mut Scan) {
     if earlier_marks(scan).is_some() {
         return;
     }
-    for channel in &mut scan.vertices.channels {
-        if [COMPLETED, HEIGHT, SOURCE].contains(&channel.name.as_str()) {
-            let name = format!("input_{}", channel.name);
-            log::warn!("the scan's own property {} is kept as {name}", channel.name);
+    for own in [COMPLETED, HEIGHT, SOURCE] {
+        let mut name = own.to_owned();
+        while scan.vertices.channel(&name).is_some() {
+            name = format!("input_{name}");
+        }
+        let foreign = scan.vertices.channels.iter_mut().find(|c| c.name == own);
+        if let Some(channel) = foreign {
+            log::warn!("the scan's own property {own} is kept as {name}");
             channel.name = name;
         }
     }

@@ -56,6 +56,37 @@ pub enum CompletionError {
         /// Number of outer rims.
         rims: usize,
     },
+    /// Numbers say exactly which.
+    #[error(
+        "holes chosen by number are taken whatever their size and paint: give either numbers to --holes, or limits"
+    )]
+    NumbersAndLimits,
+    /// Limits and paint leave nothing.
+    #[error(
+        "none of its {holes} hole(s) is within the limits and where it is painted: raise the limits (relievo holes tells sizes, in the scan's unit)"
+    )]
+    NoneAdmitted {
+        /// Number of holes.
+        holes: usize,
+    },
+    /// The channel that should tell what is painted.
+    #[error(
+        "its vertices have no number `{name}` that could tell what is painted: they have {known}"
+    )]
+    NoSuchChannel {
+        /// Name asked for.
+        name: String,
+        /// Names that there are.
+        known: String,
+    },
+    /// The colours that should tell what is painted.
+    #[error(
+        "it has no colours that could tell what is painted: give the name of a vertex property"
+    )]
+    NoColors,
+    /// Paint somewhere.
+    #[error("no vertex is painted like that: check the property or the colour given to --mask")]
+    NothingPainted,
     /// A loop was asked for that is not there.
     #[error("there is no boundary loop {id}: the highest number is {last} (see relievo holes)")]
     NoSuchLoop {

@@ -4,40 +4,12 @@ use crate::base::{BaseSurface, Form};
 use crate::mesh::{BoundaryLoop, LoopKind};
 use crate::sampling::{Gap, is_bounded};
 
+use super::choice::{Admitted, HoleChoice};
 use super::patch::{NumberedGap, Patch};
-use super::{CompleteParams, CompletionError, HoleChoice, Input, SkippedHole, Work};
+use super::{CompleteParams, Input, SkippedHole, Work};
 
 /// A loop lies on a base surface if this share of its vertices does: a few may stand on spikes.
 const ON_BASE_SHARE: f64 = 0.9;
-
-/// Numbers of the loops to fill, of those asked for one by one; extension is not among them.
-pub(super) fn choose(
-    loops: &[BoundaryLoop],
-    params: &CompleteParams,
-) -> Result<Vec<usize>, CompletionError> {
-    let Some(last) = loops.len().checked_sub(1) else {
-        return Err(CompletionError::Closed);
-    };
-    let holes = || loops.iter().filter(|l| l.kind == LoopKind::Hole);
-    Ok(match &params.holes {
-        HoleChoice::Interior => holes().map(|l| l.id).collect(),
-        HoleChoice::All => (0..loops.len()).collect(),
-        HoleChoice::Largest => match holes().max_by(|a, b| a.area.total_cmp(&b.area)) {
-            Some(largest) => vec![largest.id],
-            None if params.extend => Vec::new(),
-            None => return Err(CompletionError::NoInteriorHole { rims: loops.len() }),
-        },
-        HoleChoice::Ids(ids) => {
-            if let Some(id) = ids.iter().find(|id| **id > last) {
-                return Err(CompletionError::NoSuchLoop { id: *id, last });
-            }
-            let mut ids = ids.clone();
-            ids.sort_unstable();
-            ids.dedup();
-            ids
-        }
-    })
-}
 
 /// The gaps by where they lie.
 #[derive(Debug)]
@@ -54,15 +26,15 @@ impl Plan {
     }
 }
 
-/// Number of outer rims that are neither filled nor skipped.
-pub(super) fn rims_left(input: &Input, work: &Work) -> usize {
+/// Number of loops of a kind that are neither filled nor skipped.
+pub(super) fn left(input: &Input, work: &Work, kind: LoopKind) -> usize {
     let taken = |id: usize| {
         let filled = work.added.iter().flat_map(|gap| &gap.report.loops);
         let skipped = work.skipped.iter().flat_map(|hole| &hole.loops);
         filled.chain(skipped).any(|taken| *taken == id)
     };
-    let rims = input.loops.iter().filter(|l| l.kind == LoopKind::Rim);
-    rims.filter(|l| !taken(l.id)).count()
+    let loops = input.loops.iter().filter(|l| l.kind == kind);
+    loops.filter(|l| !taken(l.id)).count()
 }
 
 /// Groups the chosen loops into gaps, and adds those of the extension.
@@ -70,6 +42,7 @@ pub(super) fn plan(
     input: &Input,
     whole: Option<&Patch>,
     chosen: &[usize],
+    admitted: &Admitted,
     params: &CompleteParams,
 ) -> Plan {
     let mut plan = Plan {
@@ -82,7 +55,8 @@ pub(super) fn plan(
     if whole.is_some_and(|whole| params.extend && !is_sphere(whole)) {
         wanted.retain(|id| input.loops[*id].kind == LoopKind::Hole);
     } else if let (HoleChoice::Interior, Some(whole)) = (&params.holes, whole) {
-        wanted.extend(ring_gaps(input, whole));
+        let rings = ring_gaps(input, whole).into_iter();
+        wanted.extend(rings.filter(|id| admitted.admits(*id)));
     }
     for id in wanted {
         let boundary = &input.loops[id];

@@ -11,6 +11,7 @@ mod audit;
 mod blend;
 mod by_paper;
 mod by_stencil;
+mod choice;
 mod correlation;
 mod error;
 mod free_form;
@@ -26,11 +27,12 @@ mod suited;
 mod surroundings;
 
 pub use assemble::{COMPLETED, HEIGHT, SOURCE};
+pub use choice::{COLOR_TOLERANCE, HoleChoice, HoleLimits, Paint};
 pub use error::CompletionError;
 pub use noted::{
     RememberedBase, RememberedFreeForm, noted_relief, remembered_base, remembered_free_form,
 };
-pub use params::{CompleteParams, HoleChoice, Method};
+pub use params::{CompleteParams, Method};
 pub use report::{
     Chosen, CompletionReport, Counts, FilledHole, FreeFormReport, Recall, Searched, SkippedHole,
     StageTime,
@@ -48,6 +50,7 @@ use crate::sampling::{EdgeSpacing, edge_spacing};
 use crate::scan::Scan;
 
 use assemble::{assemble, earlier_marks};
+use choice::{Admitted, choose};
 use noted::remember;
 use patch::{Added as AddedGap, NumberedGap, Patch};
 
@@ -90,12 +93,13 @@ pub fn complete(
     let mut clock = Clock::new(progress);
     let (input, fit, origin) = prepare(scan, params, &mut clock)?;
     let base_fits = fit.fits() && params.fit.base != BaseChoice::FreeForm;
-    let chosen = gaps::choose(&input.loops, params)?;
+    let admitted = Admitted::new(scan, &input.loops, params)?;
+    let chosen = choose(&input.loops, &admitted, params)?;
     let whole = base_fits.then(|| Patch::whole(&input, &fit));
     if (whole.as_ref()).is_some_and(|whole| whole.triangles.is_empty()) {
         return Err(CompletionError::NoSamples);
     }
-    let plan = gaps::plan(&input, whole.as_ref(), &chosen, params);
+    let plan = gaps::plan(&input, whole.as_ref(), &chosen, &admitted, params);
     if plan.is_empty() {
         return Err(CompletionError::NoInteriorHole {
             rims: input.loops.len(),
@@ -111,25 +115,8 @@ pub fn complete(
     if let Some(whole) = &whole {
         whole.complete(&input, plan.on_base, params, &mut work, &mut clock);
     }
-    let mut free_form = None;
-    if params.method == Method::Paper {
-        for gap in plan.off_base {
-            own_base::complete_on_own_base(&input, &gap, params, &mut work, &mut clock);
-        }
-    } else {
-        // Free form has no end that would tell how to close what is outside of a rim.
-        let (gaps, rims): (Vec<NumberedGap>, Vec<_>) = plan.off_base.into_iter().partition(|gap| {
-            params.holes != HoleChoice::All || input.loops[gap.rim_ids[0]].kind == LoopKind::Hole
-        });
-        work.skipped.extend(rims.into_iter().map(|gap| SkippedHole {
-            loops: gap.rim_ids,
-            reason: "it is an outer rim, and no base surface closes behind it; to close it all the same give its number to --holes".to_owned(),
-        }));
-        if !gaps.is_empty() {
-            free_form =
-                free_form::complete_on_free_form(&input, &gaps, params, &mut work, &mut clock);
-        }
-    }
+    let off_base = with_those_off_the_chart(plan.off_base, &input, params, &mut work);
+    let free_form = complete_off_base(&input, off_base, params, &mut work, &mut clock);
     let heights = match (&whole, &free_form) {
         (Some(whole), _) => whole.relief.heights.clone(),
         (None, Some(free_form)) => free_form.heights.clone(),
@@ -151,7 +138,9 @@ pub fn complete(
         completed_faces: work.faces(),
         samples: work.samples,
         loops: input.loops.len(),
-        rims_left: gaps::rims_left(&input, &work),
+        rims_left: gaps::left(&input, &work, LoopKind::Rim),
+        holes_left: gaps::left(&input, &work, LoopKind::Hole),
+        stray_vertices: input.strays,
     };
     let mut report = CompletionReport {
         fit,
@@ -169,6 +158,57 @@ pub fn complete(
     Ok(Completion { scan, report })
 }
 
+/// Completes gaps that have no place on the scan's own base surface: on free form, or by the paper's method
+/// each on a base surface of its own.
+fn complete_off_base(
+    input: &Input,
+    off_base: Vec<NumberedGap>,
+    params: &CompleteParams,
+    work: &mut Work,
+    clock: &mut Clock,
+) -> Option<free_form::FreeFormDone> {
+    if params.method == Method::Paper {
+        for gap in off_base {
+            own_base::complete_on_own_base(input, &gap, params, work, clock);
+        }
+    } else {
+        // Free form has no end that would tell how to close what is outside of a rim.
+        let (gaps, rims): (Vec<NumberedGap>, Vec<_>) = off_base.into_iter().partition(|gap| {
+            params.holes != HoleChoice::All || input.loops[gap.rim_ids[0]].kind == LoopKind::Hole
+        });
+        work.skipped.extend(rims.into_iter().map(|gap| SkippedHole {
+            loops: gap.rim_ids,
+            reason: "it is an outer rim, and no base surface closes behind it; to close it all the same give its number to --holes".to_owned(),
+        }));
+        if !gaps.is_empty() {
+            return free_form::complete_on_free_form(input, &gaps, params, work, clock);
+        }
+    }
+    None
+}
+
+/// The gaps off the base surface, and holes that lie on it but turn over or cross themselves as seen along
+/// its normals, as between stones: they are filled on free form, too.
+fn with_those_off_the_chart(
+    mut off_base: Vec<NumberedGap>,
+    input: &Input,
+    params: &CompleteParams,
+    work: &mut Work,
+) -> Vec<NumberedGap> {
+    for (gap, reason) in std::mem::take(&mut work.off_chart) {
+        let is_hole = |id: &usize| input.loops[*id].kind == LoopKind::Hole;
+        if params.method != Method::Paper && gap.rim_ids.iter().all(is_hole) {
+            off_base.push(gap);
+        } else {
+            work.skipped.push(SkippedHole {
+                loops: gap.rim_ids,
+                reason,
+            });
+        }
+    }
+    off_base
+}
+
 /// The scan's mesh, loops and base surface, all around the scan's centroid, and the centroid.
 fn prepare(
     scan: &Scan,
@@ -182,7 +222,8 @@ fn prepare(
     let adjacency = Adjacency::new(&mesh);
     let loops = boundary_loops(&mesh, &adjacency);
     clock.end("loops");
-    let scanned = scanned_vertices(scan, params);
+    let mut scanned = scanned_vertices(scan, params);
+    let strays = leave_out_strays(&mut scanned, &mesh, &adjacency, params);
     let fit = base::fit_part(
         &mesh.positions,
         &scanned_triangles(&mesh, &scanned),
@@ -205,6 +246,7 @@ fn prepare(
         loops,
         colors: scan.colors(),
         scanned,
+        strays,
     };
     Ok((input, fit, origin))
 }
@@ -233,6 +275,8 @@ struct Input {
     spacing: EdgeSpacing,
     /// Whether a vertex may be copied from; what an earlier completion invented may not.
     scanned: Vec<bool>,
+    /// Number of vertices on stray pieces of surface, which are not copied from either.
+    strays: usize,
 }
 
 /// What was completed so far.
@@ -240,6 +284,8 @@ struct Input {
 struct Work {
     added: Vec<AddedGap>,
     skipped: Vec<SkippedHole>,
+    /// Gaps that cannot be filled in the chart of the scan's own base surface, and why.
+    off_chart: Vec<(NumberedGap, String)>,
     /// Samples searched on the scan's own base surface.
     samples: usize,
     searched: Searched,
@@ -311,6 +357,31 @@ fn scanned_vertices(scan: &Scan, params: &CompleteParams) -> Vec<bool> {
         Some((marks, _)) if !params.bootstrap => marks.iter().map(|mark| *mark == 0).collect(),
         _ => vec![true; scan.vertices.rows],
     }
+}
+
+/// Marks what lies on stray pieces of surface as nothing to copy from, and gives the number of vertices.
+fn leave_out_strays(
+    scanned: &mut [bool],
+    mesh: &TriMesh,
+    adjacency: &Adjacency,
+    params: &CompleteParams,
+) -> usize {
+    let (components, count) = adjacency.components();
+    let used = mesh.used_vertices();
+    let mut sizes = vec![0usize; count];
+    for (component, _) in components.iter().zip(&used).filter(|(_, used)| **used) {
+        sizes[*component as usize] += 1;
+    }
+    let largest = sizes.iter().copied().max().unwrap_or_default();
+    let least = params.stray * largest as f64;
+    let mut strays = 0;
+    for (v, component) in components.iter().enumerate().filter(|(v, _)| used[*v]) {
+        if (sizes[*component as usize] as f64) < least {
+            scanned[v] = false;
+            strays += 1;
+        }
+    }
+    strays
 }
 
 /// The triangles whose corners were all scanned.

@@ -54,6 +54,13 @@ pub(super) fn complete_on_own_base(
     for added in &mut work.added[before..] {
         around.part.renumber(input, added);
     }
+    // There is no other way here.
+    for (gap, reason) in std::mem::take(&mut work.off_chart) {
+        work.skipped.push(SkippedHole {
+            loops: gap.rim_ids,
+            reason,
+        });
+    }
 }
 
 fn on_wide(around: &Surroundings, params: &CompleteParams) -> Option<Patch> {

@@ -5,23 +5,7 @@ use serde::Serialize;
 use crate::base::{BaseChoice, FitParams};
 use crate::sampling::SpacingRule;
 
-use super::CompletionError;
-
-/// Which boundary loops to fill. Numbers are those of [`crate::mesh::boundary_loops`].
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum HoleChoice {
-    /// All gaps in the surface; outer rims stay open.
-    #[default]
-    Interior,
-    /// Outer rims, too, where the base surface closes behind them (a sphere does, a plane does
-    /// not).
-    All,
-    /// The hole with the largest estimated area.
-    Largest,
-    /// These, holes or rims.
-    Ids(Vec<usize>),
-}
+use super::{CompletionError, HoleChoice, HoleLimits, Paint};
 
 /// How to find what a new vertex is copied from.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
@@ -49,6 +33,13 @@ pub struct CompleteParams {
     pub form_wavelength: Option<f64>,
     /// Which holes to fill. Default: interior ones.
     pub holes: HoleChoice,
+    /// How large they may be, if they are not chosen by number. Default: no limit.
+    pub limits: HoleLimits,
+    /// Where they are painted, if they are not chosen by number. Default: anywhere.
+    pub paint: Option<Paint>,
+    /// Pieces of surface with fewer vertices than this share of the largest piece's are strays: they are kept
+    /// but nothing is fitted to them or copied from them. Default 0.01.
+    pub stray: f64,
     /// Continue the scan over the rest of the base surface: of the sphere, of the cylinder's or
     /// cone's wall between the scan's ends, of the plane's bounding rectangle. Default: no.
     pub extend: bool,
@@ -100,6 +91,9 @@ impl Default for CompleteParams {
             fit: FitParams::default(),
             form_wavelength: None,
             holes: HoleChoice::default(),
+            limits: HoleLimits::default(),
+            paint: None,
+            stray: 0.01,
             extend: false,
             window: None,
             rotations: None,
@@ -178,6 +172,12 @@ impl CompleteParams {
                 self.audit,
                 (0.0..=1.0).contains(&self.audit),
             ),
+            (
+                "--stray",
+                "from 0 to 1",
+                self.stray,
+                (0.0..=1.0).contains(&self.stray),
+            ),
             ("--sites", "1 or more", self.sites as f64, self.sites >= 1),
             (
                 "--spacing",
@@ -192,9 +192,17 @@ impl CompleteParams {
         if self.fit.base == BaseChoice::FreeForm && self.extend {
             return Err(CompletionError::FreeFormHasNoEnd);
         }
+        if matches!(self.holes, HoleChoice::Ids(_)) && !self.holes_are_anywhere() {
+            return Err(CompletionError::NumbersAndLimits);
+        }
         match rules.into_iter().find(|rule| !rule.3) {
             Some((name, range, value, _)) => Err(CompletionError::Parameter { name, range, value }),
             None => Ok(()),
         }
+    }
+
+    /// Whether neither size nor paint limits which holes are filled.
+    fn holes_are_anywhere(&self) -> bool {
+        self.limits == HoleLimits::default() && self.paint.is_none()
     }
 }

@@ -348,6 +348,14 @@ impl Patch {
             } = numbered;
             let spacing = input.spacing.spacing;
             match fill(base, &self.relief, &input.adjacency, &gap, spacing) {
+                Err(error) if error.is_of_the_chart() => work.off_chart.push((
+                    NumberedGap {
+                        gap,
+                        rim_ids: loops,
+                        island_ids,
+                    },
+                    error.to_string(),
+                )),
                 Ok(fill) if fill.triangles.is_empty() => work.skipped.push(SkippedHole {
                     loops,
                     reason:

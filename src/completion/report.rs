@@ -51,6 +51,10 @@ pub struct Counts {
     pub loops: usize,
     /// Outer rims among them that were not chosen.
     pub rims_left: usize,
+    /// Holes among them that were not chosen.
+    pub holes_left: usize,
+    /// Vertices of stray pieces of surface: kept, but neither fitted to nor copied from.
+    pub stray_vertices: usize,
 }
 
 /// What a search over neighborhoods on a stencil looked at, and where its matches came from. All 0

@@ -181,6 +181,7 @@ fn part(input: &Input, vertices: &[u32]) -> Input {
         colors: (input.colors.as_ref()).map(|colors| chosen(colors, vertices)),
         spacing: input.spacing,
         scanned: chosen(&input.scanned, vertices),
+        strays: 0,
         mesh,
     }
 }

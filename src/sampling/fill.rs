@@ -99,6 +99,15 @@ pub enum FillError {
     },
 }
 
+impl FillError {
+    /// Whether the gap may be filled all the same where it need not lie on the base surface. What has no
+    /// end there is rather an outer rim.
+    #[must_use]
+    pub fn is_of_the_chart(&self) -> bool {
+        matches!(self, Self::RimFolds { .. } | Self::RimCrosses { .. })
+    }
+}
+
 /// Fills `gap` with targets about `spacing` apart on the base surface and triangulates it, the rims'
 /// own edges kept.
 ///

@@ -72,8 +72,22 @@ pub(super) trait Scalar: Copy + Default + Into<f64> {
     fn push_le(self, out: &mut Vec<u8>);
     /// Appends the shortest text that reads back to the same value.
     fn push_ascii(self, out: &mut Vec<u8>);
+    /// Takes the value's bytes off the front; `None` if there are too few.
+    fn take(bytes: &mut &[u8], big_endian: bool) -> Option<Self>;
     /// Reads a token of an ASCII file; `None` if the type has no such value.
     fn parse(token: &str) -> Option<Self>;
+}
+
+macro_rules! take_number {
+    ($type:ty, $bytes:ident, $big_endian:ident) => {{
+        let (first, rest) = $bytes.split_first_chunk()?;
+        *$bytes = rest;
+        Some(if $big_endian {
+            <$type>::from_be_bytes(*first)
+        } else {
+            <$type>::from_le_bytes(*first)
+        })
+    }};
 }
 
 macro_rules! integer {
@@ -89,6 +103,9 @@ macro_rules! integer {
             }
             fn push_le(self, out: &mut Vec<u8>) {
                 out.extend_from_slice(&self.to_le_bytes());
+            }
+            fn take(bytes: &mut &[u8], big_endian: bool) -> Option<Self> {
+                take_number!($type, bytes, big_endian)
             }
             fn push_ascii(self, out: &mut Vec<u8>) {
                 // Writing to a `Vec` cannot fail.
@@ -120,6 +137,9 @@ macro_rules! float {
             }
             fn push_le(self, out: &mut Vec<u8>) {
                 out.extend_from_slice(&self.to_le_bytes());
+            }
+            fn take(bytes: &mut &[u8], big_endian: bool) -> Option<Self> {
+                take_number!($type, bytes, big_endian)
             }
             fn push_ascii(self, out: &mut Vec<u8>) {
                 let size = self.abs();

@@ -46,6 +46,15 @@ fn exceeds_one(column: &Column) -> bool {
     }
 }
 
+/// The value of `alpha` that stands for opaque.
+pub(super) fn full_alpha(column: &Column) -> f64 {
+    match column {
+        Column::U16(_) => 65535.0,
+        Column::F32(_) | Column::F64(_) => 1.0,
+        _ => 255.0,
+    }
+}
+
 /// #V intensities, 0 to 1; what lies outside is clamped, and NaN counts as 0.
 pub(super) fn colors(table: &Table) -> Option<Vec<[f64; 3]>> {
     let layout = ColorLayout::of(table)?;

@@ -29,7 +29,7 @@ pub enum ScanError {
     },
     /// The extension, or the first bytes, tell a known format.
     #[error(
-        "{name}: the extension does not tell a format that relievo knows; convert the file to .ply, .obj, .off or .stl"
+        "{name}: the extension does not tell a format that relievo knows; convert the file to .ply, .obj, .glb, .xyz or another of the formats of `relievo complete --help`"
     )]
     UnknownFormat {
         /// The path.
@@ -84,6 +84,35 @@ pub enum ScanError {
         line: usize,
         /// What is wrong with it.
         reason: String,
+    },
+    /// The file follows its format.
+    #[error("{name}: {reason}; export the file again")]
+    Malformed {
+        /// The file.
+        name: String,
+        /// What is wrong, and where.
+        reason: String,
+    },
+    /// Reading needs something that the file does not tell.
+    #[error("{name}: {reason}")]
+    MissingOption {
+        /// The file.
+        name: String,
+        /// What is needed, and how to give it.
+        reason: String,
+    },
+    /// This program was built with the format.
+    #[cfg(not(all(feature = "e57", feature = "las", feature = "image")))]
+    #[error(
+        "{name}: this relievo was built without {format}; build it with `--features {feature}`, or convert the file to .ply"
+    )]
+    NotBuiltIn {
+        /// The file.
+        name: String,
+        /// What cannot be read.
+        format: &'static str,
+        /// The feature of the build that it needs.
+        feature: &'static str,
     },
     /// A scan has vertices.
     #[error("{name} holds no vertices; export the scan with its points")]
@@ -166,8 +195,18 @@ pub enum ScanError {
         what: &'static str,
     },
     /// The format can be written.
-    #[error("{name}: cannot write this format; choose an output that ends in .ply, .obj or .stl")]
+    #[error(
+        "{name}: cannot write this format; choose an output that ends in .ply, .obj, .off, .stl or .glb"
+    )]
     CannotWriteFormat {
+        /// The path.
+        name: String,
+    },
+    /// STL holds triangles and nothing else.
+    #[error(
+        "cannot write {name}: STL holds triangles, and the scan has none; make them with --surface, or choose .ply"
+    )]
+    NoFacesToWrite {
         /// The path.
         name: String,
     },
@@ -187,6 +226,12 @@ pub enum ScanError {
         /// The path of the output.
         name: String,
     },
+    /// Somebody reads what is written to a pipe.
+    #[error("cannot write {name}: the program that reads it has ended; let it read to the end")]
+    ClosedPipe {
+        /// The path of the output.
+        name: String,
+    },
     /// The output can be written.
     #[error("cannot write {name} ({source}); check its permissions and the space left")]
     Write {
@@ -195,4 +240,15 @@ pub enum ScanError {
         /// What the system says.
         source: io::Error,
     },
+}
+
+impl ScanError {
+    /// Why an output could not be written.
+    pub(super) fn writing(name: &str, source: io::Error) -> Self {
+        let name = name.to_owned();
+        match source.kind() {
+            io::ErrorKind::BrokenPipe => Self::ClosedPipe { name },
+            _ => Self::Write { name, source },
+        }
+    }
 }

@@ -3,7 +3,12 @@
 use std::io::{ErrorKind, Read, Write};
 use std::path::Path;
 
-use super::{OutputFile, Scan, ScanError, obj, off, ply, ply_write, range_grid, stl};
+use super::color::ColorLayout;
+use super::options::{ReadOptions, WriteOptions};
+use super::source::{Parsed, Source};
+use super::{
+    OutputFile, Scan, ScanError, e57, gltf, las, obj, off, pcd, ply, ptx, range_grid, stl, xyz,
+};
 
 /// A file format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,13 +17,111 @@ pub enum Format {
     Ply,
     /// Wavefront OBJ.
     Obj,
-    /// Geomview OFF; can only be read.
+    /// Geomview OFF.
     Off,
     /// STL.
     Stl,
+    /// Columns of numbers as text: XYZ, PTS, TXT, CSV, ASC.
+    Xyz,
+    /// Leica PTX: range grids as text.
+    Ptx,
+    /// Point Cloud Library.
+    Pcd,
+    /// ASTM E2807.
+    E57,
+    /// ASPRS LAS, and LAZ.
+    Las,
+    /// glTF 2.0, text or binary (GLB).
+    Gltf,
+    /// A depth image: 16-bit PNG, or float TIFF.
+    Depth,
 }
 
+impl std::fmt::Display for Format {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Ply => "PLY",
+            Self::Obj => "OBJ",
+            Self::Off => "OFF",
+            Self::Stl => "STL",
+            Self::Xyz => "columns of text",
+            Self::Ptx => "PTX",
+            Self::Pcd => "PCD",
+            Self::E57 => "E57",
+            Self::Las => "LAS",
+            Self::Gltf => "glTF",
+            Self::Depth => "a depth image",
+        })
+    }
+}
+
+/// All formats, in the order in which messages list them.
+const FORMATS: [Format; 11] = [
+    Format::Ply,
+    Format::Obj,
+    Format::Off,
+    Format::Stl,
+    Format::Gltf,
+    Format::Xyz,
+    Format::Ptx,
+    Format::Pcd,
+    Format::E57,
+    Format::Las,
+    Format::Depth,
+];
+
 impl Format {
+    /// The extensions of its files, the usual one first.
+    #[must_use]
+    pub fn extensions(self) -> &'static [&'static str] {
+        match self {
+            Self::Ply => &["ply"],
+            Self::Obj => &["obj"],
+            Self::Off => &["off"],
+            Self::Stl => &["stl"],
+            Self::Xyz => &["xyz", "pts", "txt", "csv", "asc"],
+            Self::Ptx => &["ptx"],
+            Self::Pcd => &["pcd"],
+            Self::E57 => &["e57"],
+            Self::Las => &["las", "laz"],
+            Self::Gltf => &["glb", "gltf"],
+            Self::Depth => &["png", "tif", "tiff"],
+        }
+    }
+
+    /// Whether scans can be written in it.
+    #[must_use]
+    pub fn can_be_written(self) -> bool {
+        matches!(
+            self,
+            Self::Ply | Self::Obj | Self::Off | Self::Stl | Self::Gltf
+        )
+    }
+
+    /// The channels of vertices that are not in a file of this format.
+    fn loses(self, scan: &Scan) -> Vec<&str> {
+        let channels = &scan.vertices.channels;
+        let mut kept: Vec<usize> = Vec::new();
+        let mut keep =
+            |names: [&str; 3]| kept.extend(scan.vertices.triple(names).into_iter().flatten());
+        keep(["x", "y", "z"]);
+        if self == Self::Off {
+            keep(["nx", "ny", "nz"]);
+        }
+        if matches!(self, Self::Obj | Self::Off)
+            && let Some(layout) = ColorLayout::of(&scan.vertices)
+        {
+            kept.extend(layout.channels);
+        }
+        // Those that keep all others say themselves what they cannot hold.
+        let keeps_all = matches!(self, Self::Ply | Self::Gltf);
+        let alpha = |name: &str| self == Self::Off && name == "alpha";
+        (channels.iter().enumerate())
+            .filter(|(k, c)| !keeps_all && !kept.contains(k) && !alpha(&c.name))
+            .map(|(_, c)| c.name.as_str())
+            .collect()
+    }
+
     /// The format that the extension tells, in either case; `-`, which stands for standard input
     /// and output, is PLY.
     ///
@@ -29,91 +132,166 @@ impl Format {
             return Ok(Self::Ply);
         }
         let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-        match extension.to_str() {
-            Some("ply") => Ok(Self::Ply),
-            Some("obj") => Ok(Self::Obj),
-            Some("off") => Ok(Self::Off),
-            Some("stl") => Ok(Self::Stl),
-            _ => Err(ScanError::UnknownFormat {
-                name: path.display().to_string(),
-            }),
-        }
+        let known = extension
+            .to_str()
+            .and_then(|e| FORMATS.into_iter().find(|f| f.extensions().contains(&e)));
+        known.ok_or_else(|| ScanError::UnknownFormat {
+            name: path.display().to_string(),
+        })
     }
 
     /// The format that the first bytes tell beyond doubt.
     fn of_content(bytes: &[u8]) -> Option<Self> {
+        const MAGIC: [(&[u8], Format); 9] = [
+            (b"ASTM-E57", Format::E57),
+            (b"LASF", Format::Las),
+            (b"glTF", Format::Gltf),
+            (b"# .PCD", Format::Pcd),
+            (b"\x89PNG\r\n\x1a\n", Format::Depth),
+            (b"II*\0", Format::Depth),
+            (b"MM\0*", Format::Depth),
+            (b"VERSION .7", Format::Pcd),
+            (b"VERSION 0.7", Format::Pcd),
+        ];
+        if let Some((_, format)) = MAGIC.iter().find(|(magic, _)| bytes.starts_with(magic)) {
+            return Some(*format);
+        }
         let first = bytes.split(u8::is_ascii_whitespace).next()?;
         match first {
             _ if first.len() == bytes.len() => None,
             b"ply" => Some(Self::Ply),
-            b"OFF" | b"COFF" | b"NOFF" | b"CNOFF" => Some(Self::Off),
+            b"OFF" | b"COFF" | b"NOFF" | b"CNOFF" | b"NCOFF" => Some(Self::Off),
             _ => None,
         }
     }
-}
 
-/// How to write.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct WriteOptions {
-    /// PLY as text instead of binary; the other formats have one way only. Default: binary.
-    pub ascii: bool,
+    /// What a file of no known extension most likely is.
+    fn guessed(bytes: &[u8]) -> Option<Self> {
+        let start = &bytes[..bytes.len().min(4096)];
+        let line = start
+            .split(|b| *b == b'\n')
+            .find(|l| !l.trim_ascii().is_empty())?;
+        let line = std::str::from_utf8(line).ok()?.trim();
+        let is_between = |c: char| c.is_ascii_whitespace() || matches!(c, ',' | ';');
+        let mut words = line.split(is_between).filter(|w| !w.is_empty());
+        if line.starts_with("solid") {
+            Some(Self::Stl)
+        } else if line.starts_with('{') {
+            Some(Self::Gltf)
+        } else if matches!(words.clone().next(), Some("v" | "mtllib" | "o" | "g")) {
+            Some(Self::Obj)
+        } else if words.clone().count() >= 3 && words.all(|w| w.parse::<f64>().is_ok()) {
+            Some(Self::Xyz)
+        } else {
+            None
+        }
+    }
 }
 
 /// Reads a scan. The format follows from the file's first bytes where they are clear, or else from
-/// its extension; `-` reads PLY from standard input. Range grids become triangles.
+/// its extension, or else from what it looks like; `-` reads standard input, PLY if its first bytes tell no other format. Range grids
+/// become triangles.
 ///
 /// # Errors
 /// A [`ScanError`] that names the file; see there.
-pub fn read(path: &Path) -> Result<Scan, ScanError> {
-    if path == Path::new("-") {
-        return read_from(std::io::stdin().lock(), Format::Ply, "standard input");
-    }
-    let name = path.display().to_string();
-    if path.is_dir() {
-        return Err(ScanError::IsFolder { name });
-    }
-    let bytes = std::fs::read(path).map_err(|source| match source.kind() {
-        ErrorKind::NotFound => ScanError::NotFound { name: name.clone() },
-        _ => ScanError::Read {
-            name: name.clone(),
-            source,
-        },
-    })?;
+pub fn read(path: &Path, options: &ReadOptions) -> Result<Scan, ScanError> {
+    let (name, bytes) = if path == Path::new("-") {
+        let name = "standard input".to_owned();
+        let bytes = read_all(std::io::stdin().lock(), &name)?;
+        (name, bytes)
+    } else {
+        let name = path.display().to_string();
+        let bytes = load(path, &name)?;
+        (name, bytes)
+    };
     let format = match (Format::of_content(&bytes), Format::of_path(path)) {
-        (Some(content), Ok(extension)) if content != extension => {
-            log::warn!("{name}: read as {content:?}, which its first bytes tell");
+        (Some(content), Ok(extension)) if content != extension && path != Path::new("-") => {
+            log::warn!("{name}: read as {content}, which its first bytes tell");
             content
         }
         (Some(content), _) => content,
-        (None, extension) => extension?,
+        (None, Ok(_)) if path == Path::new("-") => Format::guessed(&bytes).unwrap_or(Format::Ply),
+        (None, Ok(extension)) => extension,
+        (None, Err(unknown)) => Format::guessed(&bytes).ok_or(unknown)?,
     };
-    parse(&bytes, format, &name)
+    let source = Source {
+        bytes: &bytes,
+        name: &name,
+        folder: path.parent().filter(|_| path != Path::new("-")),
+        options,
+    };
+    parse(&source, format)
 }
 
-/// Reads a scan of a known format; `name` stands for the file in errors.
+/// The bytes of a file.
+pub(super) fn load(path: &Path, name: &str) -> Result<Vec<u8>, ScanError> {
+    let name = name.to_owned();
+    if path.is_dir() {
+        return Err(ScanError::IsFolder { name });
+    }
+    std::fs::read(path).map_err(|source| match source.kind() {
+        ErrorKind::NotFound => ScanError::NotFound { name },
+        _ => ScanError::Read { name, source },
+    })
+}
+
+/// Reads a scan of a known format; `name` stands for the file in errors. Files that it refers to
+/// (materials, textures, buffers) are not looked for.
 ///
 /// # Errors
 /// A [`ScanError`] that names the file; see there.
-pub fn read_from(mut reader: impl Read, format: Format, name: &str) -> Result<Scan, ScanError> {
-    let mut bytes = Vec::new();
-    reader
-        .read_to_end(&mut bytes)
-        .map_err(|source| ScanError::Read {
-            name: name.to_owned(),
-            source,
-        })?;
-    parse(&bytes, format, name)
+pub fn read_from(
+    reader: impl Read,
+    format: Format,
+    name: &str,
+    options: &ReadOptions,
+) -> Result<Scan, ScanError> {
+    let bytes = read_all(reader, name)?;
+    let source = Source {
+        bytes: &bytes,
+        name,
+        folder: None,
+        options,
+    };
+    parse(&source, format)
 }
 
-fn parse(bytes: &[u8], format: Format, name: &str) -> Result<Scan, ScanError> {
-    let mut scan = match format {
-        Format::Ply => ply::read(bytes, name)?,
-        Format::Obj => obj::read(bytes, name)?,
-        Format::Off => off::read(bytes, name)?,
-        Format::Stl => stl::read(bytes, name)?,
+fn read_all(mut reader: impl Read, name: &str) -> Result<Vec<u8>, ScanError> {
+    let mut bytes = Vec::new();
+    let done = reader.read_to_end(&mut bytes);
+    done.map_err(|source| ScanError::Read {
+        name: name.to_owned(),
+        source,
+    })?;
+    Ok(bytes)
+}
+
+fn parse(source: &Source, format: Format) -> Result<Scan, ScanError> {
+    let Parsed { mut scan, grids } = match format {
+        Format::Ply => ply::read(source.bytes, source.name)?.into(),
+        Format::Obj => obj::read(source)?.into(),
+        Format::Off => off::read(source.bytes, source.name)?.into(),
+        Format::Stl => stl::read(source.bytes, source.name)?.into(),
+        Format::Xyz => xyz::read(source)?.into(),
+        Format::Ptx => ptx::read(source)?,
+        Format::Pcd => pcd::read(source)?,
+        Format::E57 => e57::read(source)?,
+        Format::Las => las::read(source)?.into(),
+        Format::Gltf => gltf::read(source)?.into(),
+        #[cfg(feature = "image")]
+        Format::Depth => super::depth::read(source)?,
+        #[cfg(not(feature = "image"))]
+        Format::Depth => {
+            return Err(ScanError::NotBuiltIn {
+                name: source.name.to_owned(),
+                format: "depth images",
+                feature: "image",
+            });
+        }
     };
+    let name = source.name;
     scan.check(name)?;
-    range_grid::triangulate(&mut scan, name)?;
+    range_grid::triangulate(&mut scan, grids, name)?;
     log::info!(
         "{name}: {} vertices, {} faces",
         scan.vertices.rows,
@@ -141,7 +319,7 @@ pub fn write(scan: &Scan, path: &Path, options: &WriteOptions) -> Result<(), Sca
 /// positions and triangles, rounded to `float`.
 ///
 /// # Errors
-/// [`ScanError::CannotWriteFormat`] for OFF; [`ScanError::Write`] with what the system says.
+/// [`ScanError::CannotWriteFormat`]; [`ScanError::NoFacesToWrite`]; [`ScanError::Write`] with what the system says.
 pub fn write_to(
     scan: &Scan,
     writer: &mut impl Write,
@@ -149,18 +327,48 @@ pub fn write_to(
     options: &WriteOptions,
     name: &str,
 ) -> Result<(), ScanError> {
+    if format == Format::Stl && scan.faces.is_empty() {
+        return Err(ScanError::NoFacesToWrite {
+            name: name.to_owned(),
+        });
+    }
+    let lost = format.loses(scan);
+    if !lost.is_empty() {
+        log::warn!("{name}: {format} does not keep {}", lost.join(", "));
+    }
     let written = match format {
-        Format::Ply => ply_write::write(scan, writer, options.ascii),
+        Format::Ply => ply::write(scan, writer, options.ascii),
         Format::Obj => obj::write(scan, writer),
         Format::Stl => stl::write(scan, writer),
-        Format::Off => {
+        Format::Off => off::write(scan, writer),
+        Format::Gltf => gltf::write(scan, writer),
+        Format::Xyz | Format::Ptx | Format::Pcd | Format::E57 | Format::Las | Format::Depth => {
             return Err(ScanError::CannotWriteFormat {
                 name: name.to_owned(),
             });
         }
     };
-    written.map_err(|source| ScanError::Write {
-        name: name.to_owned(),
-        source,
-    })
+    written.map_err(|source| ScanError::writing(name, source))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn first_bytes_tell_the_format() {
+        for (bytes, format) in [
+            ("VERSION 0.7\nFIELDS x y z\n", Some(Format::Pcd)),
+            ("VERSION .7\nFIELDS x y z\n", Some(Format::Pcd)),
+            ("# .PCD v0.7 - Point Cloud Data\n", Some(Format::Pcd)),
+            ("VERSION 2\n", None),
+            ("ply\r\n", Some(Format::Ply)),
+            ("ply", None),
+            ("CNOFF\n1 0 0\n", Some(Format::Off)),
+            ("offset 1\n", None),
+            ("", None),
+        ] {
+            assert_eq!(Format::of_content(bytes.as_bytes()), format, "{bytes}");
+        }
+    }
 }

@@ -1,15 +1,21 @@
-//! Files to [`Scan`] and back: PLY (ASCII, both binary byte orders, Stanford range grids), OBJ, OFF
-//! and STL in; PLY, OBJ and STL out.
+//! Files to [`Scan`] and back, one file of this room a format.
 //!
 //! A scan keeps every channel of the file in the file's own type, so that what was measured is
 //! written back bit for bit. Completion only [`append`](Scan::append)s.
 //!
 //! | format | in | out | kept |
 //! |---|---|---|---|
-//! | PLY | ASCII, binary | binary little endian, ASCII | everything; the faces' list of vertices comes first and is called `vertex_indices`, elements are vertices, faces, others |
-//! | OBJ | yes | yes | positions, colours of vertices, polygons |
-//! | OFF | ASCII | no | positions, normals and colours of vertices, polygons |
+//! | PLY | ASCII, binary, range grids, strips | binary little endian, ASCII | everything; the faces' list of vertices comes first and is called `vertex_indices`, elements are vertices, faces, others |
+//! | OBJ | yes | yes | positions, colours of vertices (in: or of textures), polygons; in: normals |
+//! | OFF | ASCII | yes | positions, normals and colours of vertices, polygons |
 //! | STL | ASCII, binary | binary | positions (out: rounded to `float`), triangles |
+//! | glTF | text, binary | binary | positions (`float`), normals, colours (in: or of textures and materials), triangles; out: every number |
+//! | XYZ, PTS, CSV | text | no | every column |
+//! | PTX | text | no | positions, intensities, colours, grids, places of the scanner |
+//! | PCD | ASCII, binary, compressed | no | every field, grid, place of the sensor |
+//! | E57 | yes | no | positions, normals, colours, intensities, grids, places of the scanner |
+//! | LAS | LAS, LAZ | no | positions, colours, properties of the standard, extra bytes |
+//! | depth images | PNG, TIFF | no | positions, colours of a second image, grid, place of the camera |
 //!
 //! Numbers of text files other than PLY are `double`. Files are not trusted: whatever their bytes,
 //! [`read`] gives a scan that passes [`Scan::check`], or a [`ScanError`] that says what to do, and
@@ -18,25 +24,39 @@
 mod append;
 mod channel;
 mod color;
+#[cfg(feature = "image")]
+mod depth;
+mod e57;
 mod error;
 mod format;
+mod gltf;
+#[cfg(feature = "image")]
+mod image_file;
+mod las;
+mod names;
 mod obj;
 mod off;
+mod options;
 mod output;
+mod pcd;
 mod ply;
-mod ply_header;
-mod ply_write;
+mod ptx;
 mod range_grid;
+mod reference;
 mod remove;
+mod source;
 mod stl;
 mod text;
+mod texture;
 mod triangulate;
+mod xyz;
 
 pub use append::Added;
 pub use channel::{Channel, Column, Table};
 pub use error::ScanError;
-pub use format::{Format, WriteOptions, read, read_from, write, write_to};
-pub use output::OutputFile;
+pub use format::{Format, read, read_from, write, write_to};
+pub use options::{Intrinsics, ReadOptions, WriteOptions};
+pub use output::{OutputFile, abandon_outputs};
 pub use range_grid::RANGE_GRID;
 
 use nalgebra::Point3;
@@ -58,6 +78,17 @@ pub struct Scan {
     pub comments: Vec<String>,
     /// `obj_info` lines.
     pub obj_info: Vec<String>,
+    /// Where sensors stood, as far as the file tells. PLY written by us does not keep it.
+    pub sensors: Vec<Sensor>,
+}
+
+/// Where a sensor stood that saw some of the vertices.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensor {
+    /// Rows of the vertices that it saw.
+    pub vertices: std::ops::Range<usize>,
+    /// Its position, in the scan's coordinates.
+    pub position: Point3<f64>,
 }
 
 impl Scan {
@@ -186,5 +217,7 @@ impl Scan {
     }
 }
 
+#[cfg(test)]
+mod testing;
 #[cfg(test)]
 mod tests;

@@ -1,21 +1,30 @@
-//! Wavefront OBJ: vertices, vertex colours and polygons.
+//! Wavefront OBJ: vertices with colours and normals, and polygons.
 //!
 //! Our own parser, since the vertices must stay as they are: `tobj` stores `f32` unless the whole
 //! build is switched, regroups vertices by object, and drops those that no face uses.
+
+mod colors;
+mod mtl;
+mod normals;
 
 use std::io::{self, Write};
 
 use super::channel::{Scalar, match_column};
 use super::color::ColorLayout;
+use super::source::Source;
 use super::text::{line_error, lines, number, shown, table_of_doubles};
 use super::{Column, Scan, ScanError};
+use colors::Surface;
+use mtl::split_word;
+use normals::Normals;
 
-/// Reads an OBJ file. Coordinates and colours become `double` channels. Texture coordinates,
-/// normals, lines, points, groups and materials are dropped with a warning.
-pub(super) fn read(bytes: &[u8], name: &str) -> Result<Scan, ScanError> {
+/// Reads an OBJ file. Coordinates, colours and normals become `double` channels; where vertices have
+/// no colours, those of the materials and their textures become `uchar` channels. Lines, points and
+/// groups are dropped.
+pub(super) fn read(source: &Source) -> Result<Scan, ScanError> {
     let mut reader = Reader::default();
     let mut continued: Option<(usize, String)> = None;
-    for (line_number, line) in lines(bytes) {
+    for (line_number, line) in lines(source.bytes) {
         let line = line.trim_end();
         let (first, mut text) = continued.take().unwrap_or((line_number, String::new()));
         text.push_str(line);
@@ -25,14 +34,14 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<Scan, ScanError> {
         }
         reader
             .line(&text)
-            .map_err(|reason| line_error(name, first, reason))?;
+            .map_err(|reason| line_error(source.name, first, reason))?;
     }
     if let Some((first, text)) = continued {
         reader
             .line(&text)
-            .map_err(|reason| line_error(name, first, reason))?;
+            .map_err(|reason| line_error(source.name, first, reason))?;
     }
-    Ok(reader.finish(name))
+    Ok(reader.finish(source))
 }
 
 #[derive(Default)]
@@ -40,6 +49,8 @@ struct Reader {
     scan: Scan,
     positions: Vec<[f64; 3]>,
     colors: Vec<[f64; 3]>,
+    surface: Surface,
+    normals: Normals,
     face: Vec<u32>,
     corners: usize,
     dropped: Dropped,
@@ -48,25 +59,31 @@ struct Reader {
 /// How often something was met that a scan has no place for.
 #[derive(Default)]
 struct Dropped {
-    texture: usize,
-    normals: usize,
     lines_and_points: usize,
-    materials: usize,
     weights: usize,
     other: usize,
 }
 
 impl Reader {
     fn line(&mut self, line: &str) -> Result<(), String> {
+        let (keyword, name) = split_word(line);
+        match keyword {
+            // Names of materials may have a number sign.
+            "usemtl" => return self.surface.use_material(name, self.scan.faces.len()),
+            "mtllib" => {
+                self.surface.add_library(name);
+                return Ok(());
+            }
+            _ => {}
+        }
         let line = line.split('#').next().unwrap_or_default();
         let mut tokens = line.split_whitespace();
         match tokens.next() {
             Some("v") => self.vertex(tokens)?,
             Some("f") => self.polygon(tokens)?,
-            Some("vt") => self.dropped.texture += 1,
-            Some("vn") => self.dropped.normals += 1,
+            Some("vt") => self.surface.coordinates.push(texture_coordinates(tokens)),
+            Some("vn") => self.normals.push(tokens),
             Some("l" | "p") => self.dropped.lines_and_points += 1,
-            Some("usemtl" | "mtllib") => self.dropped.materials += 1,
             None | Some("g" | "o" | "s") => {}
             Some(_) => self.dropped.other += 1,
         }
@@ -93,15 +110,23 @@ impl Reader {
     fn polygon<'a>(&mut self, corners: impl Iterator<Item = &'a str>) -> Result<(), String> {
         self.face.clear();
         for corner in corners {
-            let token = corner.split('/').next().unwrap_or_default();
+            let mut tokens = corner.split('/');
+            let token = tokens.next().unwrap_or_default();
             let index: i64 = token
                 .parse()
                 .map_err(|_| format!("`{}` is not the index of a vertex", shown(corner)))?;
-            let so_far = i64::try_from(self.positions.len()).unwrap_or(i64::MAX);
-            let from_zero = if index < 0 { so_far + index } else { index - 1 };
-            let index = u32::try_from(from_zero)
-                .map_err(|_| format!("there is no vertex `{}`", shown(corner)))?;
-            self.face.push(index);
+            let vertex = from_zero(index, self.positions.len())
+                .ok_or_else(|| format!("there is no vertex `{}`", shown(corner)))?;
+            self.face.push(vertex);
+            let mut index = |so_far: usize| {
+                let index = tokens.next().and_then(|t| t.parse().ok())?;
+                from_zero(index, so_far)
+            };
+            let texture = index(self.surface.coordinates.len());
+            let normal = index(self.normals.len());
+            self.surface
+                .push_corner(texture, self.corners + self.face.len() - 1);
+            self.normals.push_corner(vertex, normal);
         }
         if self.face.len() < 3 {
             return Err("a face has three vertices or more".to_owned());
@@ -114,19 +139,33 @@ impl Reader {
         Ok(())
     }
 
-    fn finish(mut self, name: &str) -> Scan {
-        self.scan.vertices = table_of_doubles(["x", "y", "z"], &self.positions);
+    fn finish(mut self, source: &Source) -> Scan {
+        let name = source.name;
+        let vertices = &mut self.scan.vertices;
+        *vertices = table_of_doubles(["x", "y", "z"], &self.positions);
+        if let Some(normals) = self.normals.of_vertices(self.positions.len(), name) {
+            let normals = table_of_doubles(["nx", "ny", "nz"], &normals);
+            vertices.channels.extend(normals.channels);
+        }
         if self.colors.len() == self.positions.len() {
             let colors = table_of_doubles(["red", "green", "blue"], &self.colors);
-            self.scan.vertices.channels.extend(colors.channels);
-        } else if !self.colors.is_empty() {
-            log::warn!("{name}: colours dropped, since only some vertices have one");
+            vertices.channels.extend(colors.channels);
+        } else {
+            if !self.colors.is_empty() {
+                log::warn!("{name}: colours dropped, since only some vertices have one");
+            }
+            let colors = self
+                .surface
+                .colors(&self.scan.faces, self.positions.len(), source);
+            for (k, channel) in ["red", "green", "blue"].into_iter().enumerate() {
+                if let Some(colors) = &colors {
+                    let values = colors.iter().map(|color| color[k]).collect();
+                    vertices.set_channel(channel, Column::U8(values));
+                }
+            }
         }
         for (count, what) in [
-            (self.dropped.texture, "texture coordinates"),
-            (self.dropped.normals, "normals"),
             (self.dropped.lines_and_points, "lines and points"),
-            (self.dropped.materials, "uses of materials"),
             (self.dropped.weights, "weights of vertices"),
             (self.dropped.other, "statements of other kinds"),
         ] {
@@ -138,6 +177,18 @@ impl Reader {
         }
         self.scan
     }
+}
+
+/// An index of an OBJ file (from 1, or negative from the last one so far) as one from 0.
+fn from_zero(index: i64, so_far: usize) -> Option<u32> {
+    let so_far = i64::try_from(so_far).ok()?;
+    let index = if index < 0 { so_far + index } else { index - 1 };
+    u32::try_from(index).ok()
+}
+
+/// u and v; what cannot be understood is 0, as a missing v is.
+fn texture_coordinates<'a>(mut tokens: impl Iterator<Item = &'a str>) -> [f64; 2] {
+    [(); 2].map(|()| tokens.next().and_then(f64::parse).unwrap_or(0.0))
 }
 
 /// Writes positions, colours and faces. Whole-number colours become intensities from 0 to 1.
@@ -197,9 +248,20 @@ fn push_value(column: &Column, row: usize, line: &mut Vec<u8>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rng::{Rng, Stage};
+    use crate::scan::{Format, ReadOptions, read_from};
 
     fn scan(text: &str) -> Result<Scan, String> {
-        read(text.as_bytes(), "a.obj").map_err(|e| e.to_string())
+        read_bytes(text.as_bytes()).map_err(|e| e.to_string())
+    }
+
+    fn read_bytes(bytes: &[u8]) -> Result<Scan, ScanError> {
+        read(&Source {
+            bytes,
+            name: "a.obj",
+            folder: None,
+            options: &ReadOptions::default(),
+        })
     }
 
     #[test]
@@ -236,7 +298,7 @@ mod tests {
         let mut out = Vec::new();
         write(&first, &mut out).unwrap();
         assert_eq!(String::from_utf8(out.clone()).unwrap(), text);
-        assert_eq!(read(&out, "b.obj").unwrap(), first);
+        assert_eq!(read_bytes(&out).unwrap(), first);
     }
 
     #[test]
@@ -261,6 +323,48 @@ mod tests {
         let scan = scan("v 0 0 0\nv 1 0 0 1 1 1\nv 0 1 0 1\nf 1 \\\n2 \\\n3\n").unwrap();
         assert_eq!(scan.faces.row(0), [0, 1, 2]);
         assert_eq!(scan.colors(), None);
+    }
+
+    #[test]
+    fn normals_are_kept_if_each_vertex_has_one() {
+        let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 1 0\nvn 0 0 1\n";
+        let nz = |faces: &str| {
+            let scan = scan(&format!("{corners}{faces}\n")).unwrap();
+            scan.vertices.column("nz").cloned()
+        };
+        let in_order = Some(Column::F64(vec![1.0, 0.0, 1.0]));
+        assert_eq!(nz(""), in_order);
+        assert_eq!(nz("f 1//1 2//2 3//3"), in_order);
+        assert_eq!(
+            nz("f 1//2 2//1 3//2"),
+            Some(Column::F64(vec![0.0, 1.0, 0.0]))
+        );
+        assert!(nz("f 1//1 2//1 3//1\nf 1//-1 2//3 3//1").is_some());
+        assert_eq!(nz("f 1//1 2//1 3//1\nf 1//2 2//1 3//1"), None);
+        assert_eq!(nz("f 1//1 2//1 3//9"), None);
+        assert_eq!(nz("f 1//2 2//1 3"), None);
+    }
+
+    #[test]
+    fn broken_files_are_scans_or_errors() {
+        let good = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 1\nvn 0 0 1\nusemtl a\n\
+                    f 1/1/1 2/1/-1 3//1\n";
+        let mut rng = Rng::new(1, Stage::Synth, 0);
+        for length in 0..good.len() {
+            let check = |bytes: &[u8]| {
+                if let Ok(scan) = read_from(bytes, Format::Obj, "a.obj", &ReadOptions::default()) {
+                    assert!(scan.check("a.obj").is_ok());
+                }
+            };
+            check(&good.as_bytes()[..length]);
+            for _ in 0..50 {
+                let mut bad = good.as_bytes().to_vec();
+                bad[length] = u8::try_from(rng.index(256)).unwrap();
+                let other = rng.index(bad.len());
+                bad[other] = b"0123456789-/. \n"[rng.index(15)];
+                check(&bad);
+            }
+        }
     }
 
     #[test]

@@ -1,6 +1,9 @@
 //! Object file format (OFF) of Geomview, with colours (`COFF`) and normals (`NOFF`) of vertices.
 
-use super::channel::Scalar;
+use std::io::{self, Write};
+
+use super::channel::{Scalar, match_column};
+use super::color;
 use super::text::{line_error, lines, number, shown, table_of_doubles};
 use super::{Column, Scan, ScanError, Table};
 
@@ -49,6 +52,8 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<Scan, ScanError> {
 #[derive(Default, Clone, Copy)]
 struct Kind {
     normals: bool,
+    /// `NCOFF`, as `MeshLab` calls it, has the normals behind the colours.
+    normals_last: bool,
 }
 
 fn read_header(
@@ -74,6 +79,7 @@ fn read_header(
         match prefix {
             "" | "C" => {}
             "N" | "CN" => kind.normals = true,
+            "NC" => (kind.normals, kind.normals_last) = (true, true),
             _ => {
                 let reason = format!(
                     "`{}` is a kind of OFF that relievo does not read",
@@ -125,7 +131,11 @@ impl Reader {
             return Err("a vertex has three coordinates".to_owned());
         };
         self.positions.push([*x, *y, *z]);
-        let rest = if self.kind.normals {
+        let rest = if self.kind.normals_last && rest.len() > 3 {
+            let (rest, normal) = rest.split_at(rest.len() - 3);
+            self.normals.push([normal[0], normal[1], normal[2]]);
+            rest
+        } else if self.kind.normals {
             let [nx, ny, nz, rest @ ..] = rest else {
                 return Err("a vertex of this kind of OFF has a normal".to_owned());
             };
@@ -210,6 +220,58 @@ impl Reader {
     }
 }
 
+/// Writes positions, faces, normals (`N`) and colours (`C`). Colours become whole numbers of 0 to 255 with an
+/// alpha, which Geomview wants, and without which `Open3D` reads no faces.
+pub(super) fn write(scan: &Scan, out: &mut impl Write) -> io::Result<()> {
+    let vertices = &scan.vertices;
+    let columns = |channels: [usize; 3]| channels.map(|c| &vertices.channels[c].values);
+    let normals = vertices.triple(["nx", "ny", "nz"]).map(columns);
+    let colors = scan.colors();
+    let alpha = vertices.column("alpha");
+    let opacity = |row: usize| {
+        let part = alpha.and_then(|a| Some(a.get_f64(row)? / color::full_alpha(a)));
+        part.unwrap_or(1.0)
+    };
+    let prefix = match (&colors, &normals) {
+        (Some(_), Some(_)) => "CN",
+        (Some(_), None) => "C",
+        (None, Some(_)) => "N",
+        (None, None) => "",
+    };
+    writeln!(out, "{prefix}OFF\n{} {} 0", vertices.rows, scan.faces.len())?;
+    let axes = vertices.triple(["x", "y", "z"]).map(columns);
+    let mut line = Vec::new();
+    for row in 0..vertices.rows {
+        line.clear();
+        let numbers = axes
+            .into_iter()
+            .flatten()
+            .chain(normals.into_iter().flatten());
+        for column in numbers {
+            match_column!(column, values => values[row].push_ascii(&mut line), _lists => {});
+            line.push(b' ');
+        }
+        if let Some(colors) = &colors {
+            // Always with the opacity: some programs read no color without it.
+            for intensity in colors[row].into_iter().chain([opacity(row)]) {
+                <u8 as Scalar>::rounded(intensity * 255.0).push_ascii(&mut line);
+                line.push(b' ');
+            }
+        }
+        line.pop();
+        line.push(b'\n');
+        out.write_all(&line)?;
+    }
+    for face in scan.faces.rows() {
+        write!(out, "{}", face.len())?;
+        for index in face {
+            write!(out, " {index}")?;
+        }
+        writeln!(out)?;
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -249,6 +311,39 @@ mod tests {
         let normals = scan("CNOFF\n1 0 0\n0 0 0 0 0 1 9 8 7\n").unwrap();
         assert_eq!(normals.vertices.column("nz"), Some(&Column::F64(vec![1.0])));
         assert_eq!(normals.vertices.column("green"), Some(&Column::U8(vec![8])));
+    }
+
+    #[test]
+    fn what_is_written_reads_back_the_same() {
+        let body = "0.1 1e-300 -3\n1 0 0\n0 123456.789 0\n1 1 0\n";
+        let colored = "0 0 0.5 0 0 1 9 8 7 255\n1 0 0 0 1 0 255 0 0 6\n0 1 0 1 0 0 0 0 255 0\n";
+        for text in [
+            format!("OFF\n4 2 0\n{body}3 0 1 2\n4 0 1 3 2\n"),
+            "COFF\n2 0 0\n0 0 0 255 0 51 255\n1 0 0 0 0 0 7\n".to_owned(),
+            format!("CNOFF\n3 1 0\n{colored}3 0 1 2\n"),
+            "NOFF\n1 0 0\n0 0 0 0 0 1\n".to_owned(),
+        ] {
+            let first = scan(&text).unwrap();
+            let mut out = Vec::new();
+            write(&first, &mut out).unwrap();
+            assert_eq!(String::from_utf8(out).unwrap(), text);
+        }
+    }
+
+    #[test]
+    fn fractions_of_colors_become_whole_numbers() {
+        let mut out = Vec::new();
+        let parts = scan("OFF\n1 0 0\n0 0 0 1.0 0 0.2 0.5\n").unwrap();
+        write(&parts, &mut out).unwrap();
+        assert_eq!(out, b"COFF\n1 0 0\n0 0 0 255 0 51 128\n");
+    }
+
+    #[test]
+    fn colors_are_written_with_their_opacity() {
+        let bare = scan("CNOFF\n1 0 0\n0 0 0 0 0 1 9 8 7\n").unwrap();
+        let mut out = Vec::new();
+        write(&bare, &mut out).unwrap();
+        assert_eq!(out, b"CNOFF\n1 0 0\n0 0 0 0 0 1 9 8 7 255\n");
     }
 
     #[test]

@@ -1,9 +1,11 @@
 //! A file that appears whole or not at all.
 
+use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, Stdout, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::ScanError;
 
@@ -48,6 +50,26 @@ struct Held {
     file: BufWriter<File>,
     temporary: PathBuf,
     target: PathBuf,
+}
+
+/// The temporary files that there are. Whoever makes, renames or removes one does so while this is
+/// locked.
+static TEMPORARIES: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// What a thread that panicked has left is still right: each change is a single step.
+fn temporaries() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    TEMPORARIES.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes the temporary files of all outputs that are not complete: for programs that are about to end
+/// because they were interrupted. Outputs cannot be completed any more.
+pub fn abandon_outputs() {
+    let known = temporaries();
+    for temporary in known.iter() {
+        let _ = fs::remove_file(temporary);
+    }
+    // Stays locked: whoever wants to complete or to begin an output waits for the end.
+    std::mem::forget(known);
 }
 
 impl OutputFile {
@@ -115,10 +137,7 @@ impl OutputFile {
     /// Wraps an error of writing to this output so that it names the file.
     #[must_use]
     pub fn error(&self, source: io::Error) -> ScanError {
-        ScanError::Write {
-            name: self.name.clone(),
-            source,
-        }
+        ScanError::writing(&self.name, source)
     }
 
     /// The output as users know it.
@@ -147,8 +166,10 @@ impl Held {
             temporary.push(target.file_name().unwrap_or_default());
             temporary.push(format!(".{}-{number}.tmp", std::process::id()));
             let temporary = folder.join(temporary);
+            let mut known = temporaries();
             match File::create_new(&temporary) {
                 Ok(file) => {
+                    known.insert(temporary.clone());
                     return Ok(Self {
                         file: BufWriter::with_capacity(1 << 16, file),
                         temporary,
@@ -170,14 +191,20 @@ impl Held {
         self.file.flush()?;
         // Full disks and quotas may only be noticed here.
         self.file.get_ref().sync_data()?;
-        fs::rename(&self.temporary, &self.target)
+        let mut known = temporaries();
+        fs::rename(&self.temporary, &self.target)?;
+        known.remove(&self.temporary);
+        Ok(())
     }
 }
 
 impl Drop for Held {
     fn drop(&mut self) {
-        // After the rename there is nothing of this name any more.
-        let _ = fs::remove_file(&self.temporary);
+        // After the rename there is nothing of this name any more, or somebody else's.
+        let mut known = temporaries();
+        if known.remove(&self.temporary) {
+            let _ = fs::remove_file(&self.temporary);
+        }
     }
 }
 

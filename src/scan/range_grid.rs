@@ -23,47 +23,53 @@ const LONGEST_EDGE: f64 = 7.0;
 /// Name of the element that holds a range grid.
 pub const RANGE_GRID: &str = "range_grid";
 
-/// Triangulates the scan's `range_grid`, if there is one and if it has no faces yet.
+/// Triangulates the grids of a scan that has no faces yet: those that its reader found, and its own
+/// `range_grid`.
 ///
 /// Each cell of four neighbors gives two triangles, split along its shorter diagonal, or one where
-/// one corner is missing; triangles with too long an edge are left out. All triangles run the same
-/// way around. Which way is a convention, since the file does not tell where the sensor was: that
-/// their summed normal points along the positive side of the axis that it is closest to. For the
-/// Stanford scanner and for height maps, which look down the z axis, this is towards the viewer.
-pub(super) fn triangulate(scan: &mut Scan, name: &str) -> Result<(), ScanError> {
+/// one corner is missing; triangles with too long an edge are left out. All triangles of a grid run the
+/// same way around: towards the sensor where it is known, or else such that their summed normal points
+/// along the positive side of the axis that it is closest to. For the Stanford scanner and for height
+/// maps, which look down the z axis, this is towards the viewer.
+pub(super) fn triangulate(
+    scan: &mut Scan,
+    mut grids: Vec<Grid>,
+    name: &str,
+) -> Result<(), ScanError> {
     if !scan.faces.is_empty() {
         return Ok(());
     }
-    let Some((_, table)) = scan.other_elements.iter().find(|(n, _)| n == RANGE_GRID) else {
+    if let Some((_, table)) = scan.other_elements.iter().find(|(n, _)| n == RANGE_GRID) {
+        grids.push(Grid::of_element(scan, table, name)?);
+    }
+    if grids.is_empty() {
         return Ok(());
-    };
-    let grid = Grid::new(scan, table, name)?;
+    }
     let positions = scan.positions();
-    let mut triangles = grid.triangles(&positions);
-    let corners = |t: &[u32; 3]| t.map(|v| positions[v as usize]);
-    let sum: Vector3<f64> = triangles.iter().map(|t| triangle_normal(corners(t))).sum();
-    if sum[sum.iamax()] < 0.0 {
-        for triangle in &mut triangles {
-            triangle.swap(1, 2);
+    let mut faces = Csr::default();
+    for grid in &grids {
+        for triangle in &grid.facing_triangles(&positions) {
+            faces.push_row(triangle);
         }
     }
-    log::info!("{name}: {} triangles from its range grid", triangles.len());
-    let mut faces = Csr::default();
-    for triangle in &triangles {
-        faces.push_row(triangle);
-    }
+    log::info!("{name}: {} triangles from its range grid", faces.len());
     scan.faces = faces;
     Ok(())
 }
 
 /// Vertices in rows and columns.
-struct Grid {
-    columns: usize,
-    cells: Vec<Option<u32>>,
+#[derive(Debug)]
+pub(super) struct Grid {
+    /// Number of columns.
+    pub(super) columns: usize,
+    /// Row by row, the vertex of each cell, if the sensor saw any.
+    pub(super) cells: Vec<Option<u32>>,
+    /// Where the sensor stood, in the scan's coordinates, if that is known.
+    pub(super) sensor: Option<Point3<f64>>,
 }
 
 impl Grid {
-    fn new(scan: &Scan, table: &Table, name: &str) -> Result<Self, ScanError> {
+    fn of_element(scan: &Scan, table: &Table, name: &str) -> Result<Self, ScanError> {
         let [columns, rows] = ["num_cols", "num_rows"].map(|key| info(&scan.obj_info, key));
         let number = |text: Option<&str>| text.and_then(|t| t.parse::<usize>().ok());
         let size = number(columns).zip(number(rows));
@@ -114,7 +120,11 @@ impl Grid {
             .enumerate()
             .map(cell)
             .collect::<Result<_, _>>()?;
-        Ok(Self { columns, cells })
+        Ok(Self {
+            columns,
+            cells,
+            sensor: None,
+        })
     }
 
     /// The squares of neighboring cells, each counterclockwise if columns run right and rows up.
@@ -144,6 +154,30 @@ impl Grid {
             .collect();
         let middle = steps.len() / 2;
         (middle < steps.len()).then(|| *steps.select_nth_unstable_by(middle, f64::total_cmp).1)
+    }
+
+    /// The triangles, turned the way that they face.
+    fn facing_triangles(&self, positions: &[Point3<f64>]) -> Vec<[u32; 3]> {
+        let mut triangles = self.triangles(positions);
+        let corners = |t: &[u32; 3]| t.map(|v| positions[v as usize]);
+        let backwards = if let Some(sensor) = self.sensor {
+            let towards = |t: &[u32; 3]| {
+                let [a, b, c] = corners(t);
+                let middle = (a.coords + b.coords + c.coords) / 3.0;
+                let view = (sensor.coords - middle).try_normalize(0.0);
+                view.map_or(0.0, |view| triangle_normal([a, b, c]).dot(&view))
+            };
+            triangles.iter().map(towards).sum::<f64>() < 0.0
+        } else {
+            let sum: Vector3<f64> = triangles.iter().map(|t| triangle_normal(corners(t))).sum();
+            sum[sum.iamax()] < 0.0
+        };
+        if backwards {
+            for triangle in &mut triangles {
+                triangle.swap(1, 2);
+            }
+        }
+        triangles
     }
 
     fn triangles(&self, positions: &[Point3<f64>]) -> Vec<[u32; 3]> {
@@ -194,7 +228,7 @@ fn info<'a>(lines: &'a [String], key: &str) -> Option<&'a str> {
     })
 }
 
-fn exact_index(value: f64, vertices: usize) -> Option<u32> {
+pub(super) fn exact_index(value: f64, vertices: usize) -> Option<u32> {
     let index = <u32 as super::channel::Scalar>::rounded(value);
     let exact = f64::from(index).to_bits() == value.to_bits();
     (exact && (index as usize) < vertices).then_some(index)
@@ -247,7 +281,7 @@ mod tests {
 
     fn faces(rows: &[&str]) -> usize {
         let mut scan = scan(rows);
-        triangulate(&mut scan, "a.ply").unwrap();
+        triangulate(&mut scan, Vec::new(), "a.ply").unwrap();
         assert_eq!(check(&scan.mesh()), Ok(()));
         scan.faces.len()
     }
@@ -287,7 +321,7 @@ mod tests {
             values.iter_mut().for_each(|v| *v = -*v);
         }
         for mut scan in [scan(&rows), mirrored] {
-            triangulate(&mut scan, "a.ply").unwrap();
+            triangulate(&mut scan, Vec::new(), "a.ply").unwrap();
             let mesh = scan.mesh();
             assert_eq!(check(&mesh), Ok(()));
             for f in 0..mesh.triangles.len() {
@@ -301,7 +335,7 @@ mod tests {
         let mut scan = scan(&["00", "00"]);
         scan.faces.push_row(&[0, 1, 2]);
         let before = scan.clone();
-        triangulate(&mut scan, "a.ply").unwrap();
+        triangulate(&mut scan, Vec::new(), "a.ply").unwrap();
         assert_eq!(scan, before);
     }
 
@@ -310,7 +344,7 @@ mod tests {
         for (line, text) in [(1, "num_cols 3"), (1, "num_cols -2"), (2, "nothing")] {
             let mut scan = scan(&["00", "00"]);
             scan.obj_info[line] = text.to_owned();
-            let error = triangulate(&mut scan, "a.ply").unwrap_err();
+            let error = triangulate(&mut scan, Vec::new(), "a.ply").unwrap_err();
             assert!(
                 matches!(error, ScanError::GridSize { cells: 4, .. }),
                 "{error}"
@@ -327,7 +361,7 @@ mod tests {
                 panic!()
             };
             cells[2] = cell;
-            let error = triangulate(&mut scan, "a.ply").unwrap_err();
+            let error = triangulate(&mut scan, Vec::new(), "a.ply").unwrap_err();
             assert!(matches!(error, ScanError::Row { row: 2, .. }), "{error}");
         }
     }

@@ -7,7 +7,7 @@ impl Scan {
     /// The scan without the given vertices and all faces at them; everything else is kept in its order,
     /// bit for bit. Also gives, for each vertex that is kept, its number before.
     ///
-    /// Further elements (edges, strips, grids) refer to vertices by number and are left out.
+    /// Further elements (edges, strips, grids) and sensors refer to vertices by number and are left out.
     ///
     /// # Panics
     /// If `removed` has not one entry a vertex.
@@ -36,9 +36,29 @@ impl Scan {
             face_channels: self.face_channels.rows_of(&kept_faces),
             faces,
             other_elements: Vec::new(),
+            sensors: Vec::new(),
             ..self.clone()
         };
         (scan, kept)
+    }
+}
+
+impl Scan {
+    /// Keeps the channels of some faces only; the faces themselves are left as they are.
+    ///
+    /// # Panics
+    /// If `kept` has not one entry a row of the channels.
+    pub(crate) fn retain_face_channels(&mut self, kept: &[bool]) {
+        if self.face_channels.channels.is_empty() {
+            return;
+        }
+        assert_eq!(kept.len(), self.face_channels.rows, "one entry a face");
+        let rows: Vec<u32> = (0u32..)
+            .zip(kept)
+            .filter(|(_, kept)| **kept)
+            .map(|(f, _)| f)
+            .collect();
+        self.face_channels = self.face_channels.rows_of(&rows);
     }
 }
 

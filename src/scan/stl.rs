@@ -27,7 +27,11 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<Scan, ScanError> {
         .map(u32::from_le_bytes);
     let expected = claimed.and_then(|n| usize::try_from(n).ok());
     let size = expected.and_then(|n| n.checked_mul(FACET)?.checked_add(HEADER));
-    let is_text = bytes.trim_ascii_start().starts_with(b"solid") && size != Some(bytes.len());
+    let start = bytes.trim_ascii_start();
+    let is_solid = start
+        .get(..5)
+        .is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
+    let is_text = is_solid && size != Some(bytes.len());
     if is_text {
         return read_text(bytes, name);
     }
@@ -75,7 +79,9 @@ fn read_text(bytes: &[u8], name: &str) -> Result<Scan, ScanError> {
     for (line_number, line) in lines(bytes) {
         let error = |reason: String| line_error(name, line_number, reason);
         let mut tokens = line.split_whitespace();
-        match tokens.next() {
+        // Some programs shout.
+        let keyword = tokens.next().map(str::to_ascii_lowercase);
+        match keyword.as_deref() {
             Some("vertex") => {
                 let values = tokens
                     .map(number)

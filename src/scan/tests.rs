@@ -22,7 +22,7 @@ const ASCII: &str = "ply\nformat ascii 1.0\ncomment made by hand\nobj_info a 1\n
     0\n2 7 8\n";
 
 fn ply(bytes: &[u8]) -> Result<Scan, ScanError> {
-    read_from(bytes, Format::Ply, "a.ply")
+    read_from(bytes, Format::Ply, "a.ply", &ReadOptions::default())
 }
 
 fn written(scan: &Scan, ascii: bool) -> Vec<u8> {
@@ -195,7 +195,7 @@ fn a_file_cut_anywhere_is_an_error_and_never_a_panic() {
         ),
     ] {
         for n in 0..text.len() {
-            let _ = read_from(&text.as_bytes()[..n], format, "a");
+            let _ = read_from(&text.as_bytes()[..n], format, "a", &ReadOptions::default());
         }
     }
 }
@@ -369,21 +369,27 @@ fn paths_choose_the_format_and_bad_ones_are_named() {
     let options = WriteOptions::default();
     for name in ["a.ply", "a.PLY", "a.obj", "a.STL"] {
         write(&scan, &path(name), &options).unwrap();
-        let back = read(&path(name)).unwrap();
+        let back = read(&path(name), &ReadOptions::default()).unwrap();
         assert_eq!(back.mesh(), scan.mesh(), "{name}");
     }
     std::fs::copy(path("a.ply"), path("ply_without_extension")).unwrap();
-    assert_eq!(read(&path("ply_without_extension")).unwrap(), scan);
-    std::fs::write(path("a.xyz"), "0 0 0\n").unwrap();
-    let error = read(&path("a.xyz")).unwrap_err();
+    assert_eq!(
+        read(&path("ply_without_extension"), &ReadOptions::default()).unwrap(),
+        scan
+    );
+    std::fs::write(path("columns"), "0 0 0\n1 0 2\n").unwrap();
+    let columns = read(&path("columns"), &ReadOptions::default()).unwrap();
+    assert_eq!(columns.vertices.rows, 2);
+    std::fs::write(path("a.docx"), "Dear Sir\n").unwrap();
+    let error = read(&path("a.docx"), &ReadOptions::default()).unwrap_err();
     assert!(matches!(error, ScanError::UnknownFormat { .. }), "{error}");
-    let error = read(&path("none.ply")).unwrap_err();
+    let error = read(&path("none.ply"), &ReadOptions::default()).unwrap_err();
     assert!(matches!(error, ScanError::NotFound { .. }), "{error}");
-    let error = read(folder.path()).unwrap_err();
+    let error = read(folder.path(), &ReadOptions::default()).unwrap_err();
     assert!(matches!(error, ScanError::IsFolder { .. }), "{error}");
     let before = std::fs::read_dir(folder.path()).unwrap().count();
     for (name, part) in [
-        ("b.off", "cannot write this format"),
+        ("b.xyz", "cannot write this format"),
         ("b.xyz", ".ply"),
         ("no/b.ply", "no folder"),
     ] {
@@ -410,7 +416,7 @@ fn real(file: &str) -> Option<Scan> {
         println!("skipped: there is no ../shared/data/{file}");
         return None;
     }
-    Some(read(&path).unwrap())
+    Some(read(&path, &ReadOptions::default()).unwrap())
 }
 
 #[test]
@@ -535,7 +541,7 @@ proptest! {
         let at = at % bytes.len();
         bytes[at] = byte;
         for format in [Format::Ply, Format::Obj, Format::Off, Format::Stl] {
-            if let Ok(scan) = read_from(bytes.as_slice(), format, "a") {
+            if let Ok(scan) = read_from(bytes.as_slice(), format, "a", &ReadOptions::default()) {
                 prop_assert!(scan.check("a").is_ok());
                 let _ = scan.mesh();
             }

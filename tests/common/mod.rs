@@ -1,6 +1,8 @@
 //! Scans for the tests, and what every completed scan must keep.
 #![allow(dead_code, reason = "each test crate uses its own share")]
 
+pub(crate) mod place;
+
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -212,7 +214,10 @@ pub(crate) fn real(name: &str) -> Option<Scan> {
         .join("../shared/data")
         .join(name);
     if path.exists() {
-        return Some(relievo::scan::read(&path).expect("the file can be read"));
+        return Some(
+            relievo::scan::read(&path, &relievo::scan::ReadOptions::default())
+                .expect("the file can be read"),
+        );
     }
     // Written past the test harness, which would hide it.
     let _ = writeln!(

@@ -7,7 +7,7 @@
 use ply_rs::parser::{Parser, Reader};
 use ply_rs::ply::{DefaultElement, ElementDef, Encoding};
 
-use super::ScanError;
+use crate::scan::ScanError;
 
 /// What the header of a PLY file says; counts are as claimed.
 pub(super) struct Header {

@@ -11,15 +11,15 @@ use ply_rs::ply::{
 };
 use ply_rs::writer::Writer;
 
-use super::channel::{Scalar, match_column};
-use super::{Column, Scan, Table};
 use crate::mesh::Csr;
+use crate::scan::channel::{Scalar, match_column};
+use crate::scan::{Column, Scan, Table};
 
 /// Rows are collected up to about this many bytes before they are written.
 const CHUNK: usize = 1 << 20;
 
 /// Writes a whole PLY file.
-pub(super) fn write(scan: &Scan, out: &mut impl Write, ascii: bool) -> io::Result<()> {
+pub(in crate::scan) fn write(scan: &Scan, out: &mut impl Write, ascii: bool) -> io::Result<()> {
     write_header(scan, out, ascii)?;
     let mut rows = Rows {
         out,

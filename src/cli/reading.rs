@@ -1,0 +1,208 @@
+//! How every subcommand reads its scan: formats that need options, repair, points to surface.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::Args;
+use relievo::cloud::{self, CloudParams, CloudReport, JoinChoice, Joined, OutlierParams};
+use relievo::repair::{self, RepairParams, RepairReport, Repaired};
+use relievo::scan::{self, Intrinsics, ReadOptions, Scan};
+use serde_json::{Map, Value, json};
+
+use super::outcome::Failure;
+use super::{Common, arguments};
+
+/// The input and how to read it.
+#[derive(Debug, Clone, Args)]
+pub(super) struct Input {
+    /// The scan: PLY, OBJ, STL, OFF, GLB, glTF, XYZ, PTS, TXT, CSV, PTX, PCD, E57, LAS, LAZ, or a depth image
+    /// (PNG, TIFF); - for standard input
+    #[arg(value_name = "SCAN")]
+    pub(super) path: PathBuf,
+    /// Text files without a line of names: what their columns are, with commas between, as in
+    /// x,y,z,intensity,red,green,blue; - skips one [default: guessed]
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        help_heading = "Reading"
+    )]
+    columns: Option<Vec<String>>,
+    /// Depth images: the camera's focal lengths and principal point in pixels
+    #[arg(
+        long,
+        value_name = "FX,FY,CX,CY",
+        value_parser = arguments::intrinsics,
+        allow_hyphen_values = true,
+        help_heading = "Reading"
+    )]
+    intrinsics: Option<Intrinsics>,
+    /// Depth images: a colour image of the same size
+    #[arg(long, value_name = "FILE", help_heading = "Reading")]
+    color_image: Option<PathBuf>,
+}
+
+impl Input {
+    /// The scan as it is in the file.
+    pub(super) fn scan(&self) -> Result<Scan, Failure> {
+        let options = ReadOptions {
+            columns: self.columns.clone(),
+            intrinsics: self.intrinsics,
+            color_image: self.color_image.clone(),
+        };
+        Ok(scan::read(&self.path, &options)?)
+    }
+
+    /// The file's name in messages.
+    pub(super) fn name(&self) -> String {
+        if self.path == Path::new("-") {
+            "standard input".to_owned()
+        } else {
+            self.path.display().to_string()
+        }
+    }
+}
+
+/// What is done to a scan before it is worked on.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Points and repair")]
+pub(super) struct Preparation {
+    /// Points without faces: how to join them, in the chart of the base surface that fits, or each with
+    /// those around it [default: in the chart if one fits]
+    #[arg(long, value_name = "auto|chart|local", default_value = "auto", value_parser = arguments::join)]
+    join: JoinChoice,
+    /// Points without faces: gaps wider than this many times the points' own distance stay open
+    #[arg(
+        long,
+        value_name = "FACTOR",
+        default_value_t = 4.0,
+        allow_negative_numbers = true
+    )]
+    gap: f64,
+    /// Points without faces: join stray points, too
+    #[arg(long)]
+    keep_outliers: bool,
+    /// Leave the scan's faces as they are, or leave out some steps of their repair: degenerate, duplicates,
+    /// weld, manifold, orient, spikes, with commas between
+    #[arg(
+        long,
+        value_name = "STEPS",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "all",
+        value_parser = arguments::no_repair
+    )]
+    no_repair: Option<RepairParams>,
+}
+
+impl Preparation {
+    pub(super) fn cloud_params(&self, seed: u32) -> CloudParams {
+        let outliers = (!self.keep_outliers).then(OutlierParams::default);
+        CloudParams {
+            join: self.join,
+            gap: self.gap,
+            outliers,
+            seed,
+            ..CloudParams::default()
+        }
+    }
+
+    /// Reads and prepares a scan; what was done is said, and goes into the JSON.
+    pub(super) fn surface(
+        &self,
+        input: &Input,
+        common: &Common,
+        known: &mut Map<String, Value>,
+    ) -> Result<Repaired, Failure> {
+        let params = self.cloud_params(common.seed);
+        params.check().map_err(|error| Failure {
+            usage: true,
+            ..error.into()
+        })?;
+        let mut scan = input.scan()?;
+        if scan.faces.is_empty() {
+            let joined = cloud::triangulate(&scan, &params).with_context(|| input.name())?;
+            log::warn!("{}: {}", input.name(), of_points(&joined.report));
+            known.insert("cloud".into(), json!(joined.report));
+            scan = joined.scan;
+        }
+        let steps = self.no_repair.unwrap_or_default();
+        let repaired = repair::repair(scan, &steps);
+        known.insert("repair".into(), json!(repaired.report));
+        for (what, step) in in_words(&repaired.report) {
+            let otherwise = step.map_or(String::new(), |s| format!(" (not with --no-repair={s})"));
+            log::warn!("{}: {what}{otherwise}", input.name());
+        }
+        Ok(repaired)
+    }
+}
+
+/// What was made of points.
+fn of_points(report: &CloudReport) -> String {
+    let how = match report.joined {
+        Joined::Chart(kind) => format!("over a {kind}"),
+        Joined::Local => "locally".to_owned(),
+    };
+    let mut text = format!(
+        "{} points at a distance of {:.6} (median) joined {how} to {} triangles",
+        report.points, report.spacing, report.triangles
+    );
+    for (count, what) in [
+        (report.outliers, "stray"),
+        (report.duplicates, "at the place of another"),
+        (report.left_over, "without neighbors that agree"),
+    ] {
+        if count > 0 {
+            text.push_str(&format!("; {count} left out, {what}"));
+        }
+    }
+    text
+}
+
+/// What was repaired, and the step's name if there is one to switch off.
+pub(super) fn in_words(report: &RepairReport) -> Vec<(String, Option<&'static str>)> {
+    let steps = [
+        (
+            report.degenerate_faces,
+            "face(s) with fewer than three different vertices left out",
+            "degenerate",
+        ),
+        (
+            report.duplicate_faces,
+            "face(s) left out that are there twice",
+            "duplicates",
+        ),
+        (
+            report.welded_vertices,
+            "vertices taken for the others at their places, so that seams are no holes",
+            "weld",
+        ),
+        (
+            report.non_manifold_faces,
+            "face(s) left out where more than two meet in an edge",
+            "manifold",
+        ),
+        (
+            report.flipped_faces,
+            "face(s) turned that were oriented against their surroundings",
+            "orient",
+        ),
+        (
+            report.spike_faces,
+            "face(s) left out that stick out of the rim",
+            "spikes",
+        ),
+    ];
+    let done = steps.into_iter().filter(|(count, ..)| *count > 0);
+    let mut lines: Vec<_> = done
+        .map(|(count, what, step)| (format!("{count} {what}"), Some(step)))
+        .collect();
+    if report.unorientable_edges > 0 {
+        let what = format!(
+            "the surface is one-sided: at {} edge(s) its faces cannot agree on a side",
+            report.unorientable_edges
+        );
+        lines.push((what, None));
+    }
+    lines
+}
