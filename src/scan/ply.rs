@@ -1,8 +1,8 @@
 //! PLY in: ASCII, binary little endian and binary big endian.
 //!
 //! `ply_rs` reads the header's types. Rows are split here: its ASCII grammar refuses `nan`, `inf`, `.5`,
-//! `5.` and blank lines, all of which scanners write, and it makes a list of values of every row, which
-//! takes several times as long as putting the values where they belong.
+//! `5.` and blank lines, all of which scanners write, and it makes a list of values of every row before they
+//! can be put where they belong.
 //!
 //! Reference: Greg Turk, *The PLY Polygon File Format*, 1994.
 
