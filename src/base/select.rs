@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::robust::spread;
 use super::samples::{Normalized, Samples};
 use super::{BaseKind, BaseSurface, Degenerate};
+use crate::mesh::DisjointSets;
 
 /// Radius of curvature, in half diagonals, beyond which a surface is a plane: over the whole mesh
 /// it bends by less than 1/800 of the diagonal.
@@ -120,7 +121,7 @@ pub(super) fn criteria(mesh: &Normalized, fitted: &[Fitted<'_>]) -> (Vec<f64>, f
 fn independent(mesh: &Normalized, heights: &[f64]) -> f64 {
     let center = spread(heights, &mesh.samples.weights).center;
     let above: Vec<bool> = heights.iter().map(|h| *h > center).collect();
-    let mut patches = Patches::new(heights.len());
+    let mut patches = DisjointSets::new(heights.len());
     for &[a, b, c] in &mesh.triangles {
         for (i, j) in [(a, b), (b, c), (c, a)] {
             if above[i as usize] == above[j as usize] {
@@ -128,7 +129,15 @@ fn independent(mesh: &Normalized, heights: &[f64]) -> f64 {
             }
         }
     }
-    let areas = patches.weights(&mesh.samples.weights);
+    let patches = patches.into_lowest();
+    let mut areas = vec![0.0; patches.len()];
+    for (patch, area) in patches.iter().zip(&mesh.samples.weights) {
+        areas[*patch as usize] += area;
+    }
+    // Each patch by its lowest vertex.
+    let areas = (0u32..)
+        .zip(areas)
+        .filter(|(v, _)| patches[*v as usize] == *v);
     let count = |areas: &[f64]| {
         // The mean patch of a random vertex. Noise sprinkles specks along the borders of patches,
         // which would otherwise pass for a wealth of evidence.
@@ -136,48 +145,8 @@ fn independent(mesh: &Normalized, heights: &[f64]) -> f64 {
         areas.iter().filter(|a| **a >= SPECK * typical).count()
     };
     // Each sign by itself: the land between dimples is one, however many these are.
-    let (high, low): (Vec<_>, Vec<_>) = areas.iter().partition(|(root, _)| above[*root as usize]);
+    let (high, low): (Vec<_>, Vec<_>) = areas.partition(|(v, _)| above[*v as usize]);
     let [high, low] = [high, low].map(|side| side.into_iter().map(|(_, a)| a).collect::<Vec<_>>());
     let count = count(&high) + count(&low);
     (count as f64).max(2.0)
-}
-
-/// Union-find over vertices.
-struct Patches {
-    parent: Vec<u32>,
-}
-
-impl Patches {
-    fn new(count: usize) -> Self {
-        Self {
-            parent: (0u32..).take(count).collect(),
-        }
-    }
-
-    fn root(&mut self, mut i: u32) -> u32 {
-        while self.parent[i as usize] != i {
-            let up = self.parent[self.parent[i as usize] as usize];
-            self.parent[i as usize] = up;
-            i = up;
-        }
-        i
-    }
-
-    /// The lower root stays, so that the order of the joins does not matter.
-    fn join(&mut self, i: u32, j: u32) {
-        let (i, j) = (self.root(i), self.root(j));
-        self.parent[i.max(j) as usize] = i.min(j);
-    }
-
-    /// Root and weight of each patch, by ascending root.
-    fn weights(mut self, weights: &[f64]) -> Vec<(u32, f64)> {
-        let mut sums = vec![0.0; self.parent.len()];
-        for (i, w) in (0u32..).zip(weights) {
-            sums[self.root(i) as usize] += w;
-        }
-        (0u32..)
-            .zip(sums)
-            .filter(|(i, _)| self.parent[*i as usize] == *i)
-            .collect()
-    }
 }

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Point3, SymmetricEigen, Vector3};
 use rayon::prelude::*;
 
 use super::CloudError;
-use crate::mesh::{PointTree, spatial_order};
+use crate::mesh::{PointTree, first_at_place, spatial_order};
 
 /// Points nearer to one line than this share of the cloud's extent are on the line, as in
 /// [`crate::base`]: rounding of coordinates a million times the extent leaves 1e-10.
@@ -39,8 +39,12 @@ impl Points {
         let near: Vec<Point3<f64>> = (positions.par_iter())
             .map(|p| Point3::from((p.coords - middle) / unit))
             .collect();
-        let (lowest, point_of_row) = different(&near);
-        let order = spatial_order(&near, lowest);
+        let first_row = first_at_place(&near);
+        let different = (0u32..)
+            .zip(&first_row)
+            .filter(|(row, first)| row == *first)
+            .map(|(row, _)| row);
+        let order = spatial_order(&near, different.collect());
         let mut place = vec![0u32; positions.len()];
         for (point, row) in (0u32..).zip(&order) {
             place[*row as usize] = point;
@@ -57,10 +61,7 @@ impl Points {
         if is_collinear(&points.positions) {
             return Err(CloudError::Collinear);
         }
-        let point_of_row = point_of_row
-            .iter()
-            .map(|row| place[*row as usize])
-            .collect();
+        let point_of_row = first_row.iter().map(|row| place[*row as usize]).collect();
         Ok((points, point_of_row))
     }
 
@@ -90,25 +91,6 @@ impl Points {
         };
         (points, new_index)
     }
-}
-
-/// The lowest row at each place, and for each row the lowest row at its place.
-fn different(positions: &[Point3<f64>]) -> (Vec<u32>, Vec<u32>) {
-    // Both zeros are one place.
-    let bits = |p: &Point3<f64>| [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits());
-    let mut places: Vec<([u64; 3], u32)> = positions.iter().map(bits).zip(0u32..).collect();
-    places.par_sort_unstable();
-    let mut lowest = Vec::new();
-    let mut first_at = vec![0u32; positions.len()];
-    for same in places.chunk_by(|a, b| a.0 == b.0) {
-        let first = same[0].1;
-        lowest.push(first);
-        for (_, row) in same {
-            first_at[*row as usize] = first;
-        }
-    }
-    lowest.sort_unstable();
-    (lowest, first_at)
 }
 
 fn is_collinear(points: &[Point3<f64>]) -> bool {

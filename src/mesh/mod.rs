@@ -7,6 +7,7 @@
 mod adjacency;
 mod boundary;
 mod check;
+mod disjoint_sets;
 mod geometry;
 mod nearest;
 mod spatial;
@@ -14,11 +15,13 @@ mod spatial;
 pub use adjacency::{Adjacency, Csr};
 pub use boundary::{BoundaryLoop, LoopKind, boundary_loops, smoothed_positions, vector_area};
 pub use check::{MeshDefect, check};
+pub(crate) use disjoint_sets::DisjointSets;
 pub use geometry::{
     bounding_diagonal, edge_lengths, edges, euler_characteristic, gradients, triangle_area,
     triangle_normal, vertex_areas, vertex_normals,
 };
 pub use nearest::{Nearest, PointTree};
+pub(crate) use spatial::first_at_place;
 pub use spatial::spatial_order;
 
 use nalgebra::{Point3, Vector3};

@@ -1,6 +1,7 @@
-//! An order along which what is close on the list is close in space.
+//! An order along which what is close on the list is close in space, and what is at the same place.
 
 use nalgebra::Point3;
+use rayon::prelude::*;
 
 /// Bits per axis of a place on the curve.
 const BITS: u32 = 10;
@@ -32,6 +33,21 @@ pub fn spatial_order(points: &[Point3<f64>], mut indices: Vec<u32>) -> Vec<u32> 
     };
     indices.sort_by_cached_key(|v| (place(*v), *v));
     indices
+}
+
+/// For each point the first one at the same place, bit by bit; both zeros are one place.
+pub(crate) fn first_at_place(points: &[Point3<f64>]) -> Vec<u32> {
+    // Adding 0 makes -0 the same as 0.
+    let bits = |p: &Point3<f64>| [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits());
+    let mut places: Vec<([u64; 3], u32)> = points.iter().map(bits).zip(0u32..).collect();
+    places.par_sort_unstable();
+    let mut first = vec![0; points.len()];
+    for same in places.chunk_by(|a, b| a.0 == b.0) {
+        for (_, point) in same {
+            first[*point as usize] = same[0].1;
+        }
+    }
+    first
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::Work;
 use super::edges::{HalfEdge, by_edge, half_edges};
-use crate::mesh::vector_area;
+use crate::mesh::{DisjointSets, vector_area};
 
 /// At an edge with more faces than this, only those of the largest pieces are compared by pairs.
 const MOST_COMPARED: usize = 16;
@@ -37,31 +37,16 @@ pub(super) fn repair(work: &mut Work) {
 
 /// For each face the number of faces of its piece, pieces ending at edges with more than two faces.
 fn piece_sizes(work: &Work, edges: &[HalfEdge]) -> Vec<u32> {
-    let mut parents: Vec<u32> = (0u32..).take(work.faces.len()).collect();
+    let mut pieces = DisjointSets::new(work.faces.len());
     for edge in by_edge(edges).filter(|edge| edge.len() == 2) {
-        let (a, b) = (
-            root(&mut parents, edge[0].face),
-            root(&mut parents, edge[1].face),
-        );
-        parents[a.max(b) as usize] = a.min(b);
+        pieces.join(edge[0].face, edge[1].face);
     }
-    let mut counts = vec![0u32; parents.len()];
+    let pieces = pieces.into_lowest();
+    let mut counts = vec![0u32; pieces.len()];
     for f in work.left() {
-        counts[root(&mut parents, f) as usize] += 1;
+        counts[pieces[f as usize] as usize] += 1;
     }
-    (0u32..)
-        .take(parents.len())
-        .map(|f| counts[root(&mut parents, f) as usize])
-        .collect()
-}
-
-/// Halves the path on the way.
-fn root(parents: &mut [u32], mut f: u32) -> u32 {
-    while parents[f as usize] != f {
-        parents[f as usize] = parents[parents[f as usize] as usize];
-        f = parents[f as usize];
-    }
-    f
+    pieces.iter().map(|p| counts[*p as usize]).collect()
 }
 
 fn best_pair(work: &Work, edge: &[HalfEdge], sizes: &[u32]) -> [u32; 2] {

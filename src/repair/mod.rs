@@ -17,7 +17,7 @@ mod weld;
 use nalgebra::Point3;
 use serde::Serialize;
 
-use crate::mesh::Csr;
+use crate::mesh::{Csr, first_at_place};
 use crate::scan::Scan;
 
 /// Which steps to take, in their order. Default: all.
@@ -86,14 +86,9 @@ pub struct RepairReport {
 }
 
 impl RepairReport {
-    /// Whether anything was changed.
+    /// Whether anything was changed: edges and vertices that are only counted do not tell.
     #[must_use]
     pub fn changed(&self) -> bool {
-        let Self {
-            unorientable_edges: _,
-            touching_vertices: _,
-            ..
-        } = self;
         self.removed_faces() + self.welded_vertices + self.flipped_faces > 0
     }
 
@@ -142,7 +137,7 @@ pub fn repair(mut scan: Scan, params: &RepairParams) -> Repaired {
     if params.degenerate {
         work.report.degenerate_faces = work.remove_degenerate();
     }
-    let places = (params.duplicates || params.weld).then(|| weld::places(&positions));
+    let places = (params.duplicates || params.weld).then(|| first_at_place(&positions));
     if let (true, Some(places)) = (params.duplicates, &places) {
         work.report.duplicate_faces = duplicates::remove(&mut work, places);
     }
@@ -244,6 +239,7 @@ impl<'a> Work<'a> {
             scan.faces = self.faces;
         } else {
             scan.faces = build(&|v| self.vertex(v));
+            scan.turn_face_channels(&self.faces, &self.flipped);
             scan.retain_face_channels(&self.kept);
         }
         Repaired {

@@ -1,5 +1,7 @@
 //! Faces that stick out of the rim: points that the sensor mixed from near and far, and ears folded back.
 
+use std::collections::HashMap;
+
 use crate::mesh::Csr;
 
 use super::Work;
@@ -46,6 +48,7 @@ fn find(work: &Work) -> Vec<u32> {
         .flat_map(|f| work.corners(f).map(move |v| (v, f)));
     let faces_at = Csr::from_pairs(work.positions.len(), pairs);
     let mut found = Vec::new();
+    let mut lengths = Lengths::default();
     for (tip, on_rim) in (0u32..).zip(&on_rim) {
         let faces = faces_at.row(tip as usize);
         if *on_rim && (1..=MOST_FACES).contains(&faces.len()) {
@@ -55,7 +58,7 @@ fn find(work: &Work) -> Vec<u32> {
                 tip,
                 faces,
             };
-            if ear.is_needle() || ear.is_folded_back() {
+            if ear.is_needle(&mut lengths) || ear.is_folded_back() {
                 found.extend_from_slice(faces);
             }
         }
@@ -91,22 +94,31 @@ impl Ear<'_> {
         base
     }
 
-    fn is_needle(&self) -> bool {
+    fn is_needle(&self, lengths: &mut Lengths) -> bool {
         let base = self.base();
-        let length = |[a, b]: [u32; 2]| (self.work.point(a) - self.work.point(b)).norm();
-        let mut around: Vec<f64> = base
-            .iter()
-            .flat_map(|v| self.faces_at.row(*v as usize))
-            .filter(|f| !self.faces.contains(f))
-            .flat_map(|f| sides(self.work, *f).map(length))
-            .collect();
-        if around.is_empty() {
+        let to_tip = |v: &u32| length(self.work, [self.tip, *v]);
+        let Some(shortest) = base.iter().map(to_tip).min_by(f64::total_cmp) else {
             return false;
+        };
+        // The median is short if more than half of the sides around are: counted, not selected, for a
+        // vertex may be the base of thousands of tips.
+        let is_short = |side: &f64| LONG * side < shortest;
+        let (mut around, mut short) = (0, 0);
+        for v in &base {
+            let sides = lengths.at(self.work, self.faces_at, *v);
+            around += sides.len();
+            short += sides.partition_point(is_short);
         }
-        let middle = around.len() / 2;
-        let (_, median, _) = around.select_nth_unstable_by(middle, f64::total_cmp);
-        let long = LONG * *median;
-        base.iter().all(|v| length([self.tip, *v]) > long)
+        for face in self.faces {
+            let own: Vec<f64> = sides(self.work, *face)
+                .map(|side| length(self.work, side))
+                .collect();
+            let at_base = |v: &u32| base.binary_search(v).is_ok();
+            let times = self.work.corners(*face).filter(at_base).count();
+            around -= times * own.len();
+            short -= times * own.iter().filter(|side| is_short(side)).count();
+        }
+        short > around / 2
     }
 
     /// Whether it is one face, and that lies upon the face behind it.
@@ -118,11 +130,16 @@ impl Ear<'_> {
         let [a, b] = *base.as_slice() else {
             return false;
         };
-        let behind = self
-            .faces_at
-            .row(a as usize)
+        // The faces at both, looked for where there are fewer.
+        let [a, b] = [a, b].map(|v| (self.faces_at.row(v as usize), v));
+        let ((fewer, _), (_, other)) = if a.0.len() <= b.0.len() {
+            (a, b)
+        } else {
+            (b, a)
+        };
+        let behind = fewer
             .iter()
-            .find(|f| **f != face && self.faces_at.row(b as usize).contains(f));
+            .find(|f| **f != face && self.work.corners(**f).any(|v| v == other));
         behind.is_some_and(|behind| {
             unit_normal(self.work, face).dot(&unit_normal(self.work, *behind)) < FOLDED
         })
@@ -134,4 +151,26 @@ fn sides(work: &Work, face: u32) -> impl Iterator<Item = [u32; 2]> {
     let corners = work.corners(face);
     let ahead = corners.clone().cycle().skip(1);
     corners.zip(ahead).map(|(a, b)| [a, b])
+}
+
+fn length(work: &Work, [a, b]: [u32; 2]) -> f64 {
+    (work.point(a) - work.point(b)).norm()
+}
+
+/// For each vertex that was asked for, the lengths of all sides of the faces at it, ascending.
+#[derive(Default)]
+struct Lengths(HashMap<u32, Vec<f64>>);
+
+impl Lengths {
+    fn at(&mut self, work: &Work, faces_at: &Csr, v: u32) -> &[f64] {
+        self.0.entry(v).or_insert_with(|| {
+            let faces = faces_at.row(v as usize).iter();
+            let mut lengths: Vec<f64> = faces
+                .flat_map(|f| sides(work, *f))
+                .map(|side| length(work, side))
+                .collect();
+            lengths.sort_unstable_by(f64::total_cmp);
+            lengths
+        })
+    }
 }

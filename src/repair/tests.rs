@@ -4,7 +4,7 @@ use nalgebra::Point3;
 
 use super::*;
 use crate::mesh::{Adjacency, LoopKind, boundary_loops, check};
-use crate::scan::Column;
+use crate::scan::{Column, Table};
 
 fn scan(points: &[[f64; 3]], faces: &[&[u32]]) -> Scan {
     let mut scan = Scan::default();
@@ -155,6 +155,41 @@ fn triangles_without_common_vertices_become_a_surface() {
 }
 
 #[test]
+fn a_face_with_two_corners_at_one_place_is_not_sewn_to_itself() {
+    let scan = scan(&[[0.0; 3], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0]], &[&[0, 1, 2]]);
+    let repaired = repaired(&scan);
+    assert_eq!(repaired.report, RepairReport::default());
+    assert_eq!(repaired.scan, scan);
+}
+
+#[test]
+fn channels_of_corners_are_turned_with_their_face() {
+    let mut scan = grid_scan(4, |_, faces| {
+        faces[7][1..].reverse();
+    });
+    let faces: Vec<Vec<u32>> = scan.faces.rows().map(<[u32]>::to_vec).collect();
+    // Two numbers a corner that tell its vertex, and a list of another length in every face.
+    let coordinate = |v: &u32| [*v as f32, 0.5];
+    let coordinates = |f: &Vec<u32>| Column::F32(f.iter().flat_map(coordinate).collect());
+    let texture = faces.iter().map(coordinates).collect();
+    let tags: Vec<Column> = (0..faces.len())
+        .map(|f| Column::U8([1, 2, 3, 4, 5, 6, 7][..1 + f % 7].to_vec()))
+        .collect();
+    scan.face_channels
+        .set_channel("texcoord", Column::List(texture));
+    scan.face_channels
+        .set_channel("tags", Column::List(tags.clone()));
+    let repaired = repaired(&scan);
+    assert_eq!(repaired.report.flipped_faces, 1);
+    assert_ne!(repaired.scan.faces.row(7), scan.faces.row(7));
+    let turned: Vec<Vec<u32>> = repaired.scan.faces.rows().map(<[u32]>::to_vec).collect();
+    let expected = turned.iter().map(coordinates).collect();
+    let channel = |name: &str| repaired.scan.face_channels.column(name);
+    assert_eq!(channel("texcoord"), Some(&Column::List(expected)));
+    assert_eq!(channel("tags"), Some(&Column::List(tags)));
+}
+
+#[test]
 fn two_sheets_upon_each_other_are_not_sewn_together() {
     let with_second = |reversed: bool| {
         grid_scan(3, |points, faces| {
@@ -279,6 +314,27 @@ fn a_needle_of_several_faces_goes() {
     assert_eq!(repaired.report.spike_faces, 3);
     assert!(!repaired.scan.mesh().used_vertices()[14]);
     assert_eq!(repaired.scan.positions()[14], Point3::new(4.0, 2.0, 50.0));
+}
+
+#[test]
+fn a_vertex_with_very_many_faces_is_soon_done() {
+    // A disc of one fan, in which every vertex of the rim could be a tip, and one is.
+    let count = 40_000u32;
+    let mut points = vec![[0.0; 3]];
+    for k in 0..count {
+        let angle = std::f64::consts::TAU * f64::from(k) / f64::from(count);
+        let radius = if k == 1000 { 50.0 } else { 1.0 };
+        points.push([radius * angle.cos(), radius * angle.sin(), 0.0]);
+    }
+    let faces: Vec<[u32; 3]> = (0..count)
+        .map(|k| [0, k + 1, (k + 1) % count + 1])
+        .collect();
+    let rows: Vec<&[u32]> = faces.iter().map(<[u32; 3]>::as_slice).collect();
+    let mut scan = scan(&points, &rows);
+    scan.face_channels = Table::default();
+    let repaired = repair(scan, &RepairParams::default());
+    assert_eq!(repaired.report.spike_faces, 2);
+    assert_eq!(kinds(&repaired.scan), [LoopKind::Rim]);
 }
 
 #[test]

@@ -1,5 +1,6 @@
-//! A scan without some of its vertices.
+//! A scan without some of its vertices or faces, and the channels of faces that are turned.
 
+use super::channel::match_column;
 use super::{Column, Scan, Table};
 use crate::mesh::Csr;
 
@@ -60,6 +61,40 @@ impl Scan {
             .collect();
         self.face_channels = self.face_channels.rows_of(&rows);
     }
+
+    /// Turns the channels of faces that hold something for every corner, as texture coordinates do: of the
+    /// turned ones of `faces`, which the rows stand for. The first corner stays the first.
+    ///
+    /// Such are lists with the same number of values a corner in every face that has any.
+    ///
+    /// # Panics
+    /// If `turned` or `faces` have not one entry a row of the channels.
+    pub(crate) fn turn_face_channels(&mut self, faces: &Csr, turned: &[bool]) {
+        for channel in &mut self.face_channels.channels {
+            let Column::List(lists) = &mut channel.values else {
+                continue;
+            };
+            let Some(per_corner) = per_corner(lists, faces) else {
+                continue;
+            };
+            for (list, turned) in lists.iter_mut().zip(turned) {
+                if *turned && !list.is_empty() {
+                    list.turn(per_corner);
+                }
+            }
+        }
+    }
+}
+
+/// Number of values a corner that the lists of all faces have, but for empty ones.
+fn per_corner(lists: &[Column], faces: &Csr) -> Option<usize> {
+    let mut filled = (lists.iter().enumerate())
+        .map(|(f, list)| (list.len(), faces.row(f).len()))
+        .filter(|(values, _)| *values > 0);
+    let (values, corners) = filled.clone().next()?;
+    let per_corner = values.checked_div(corners)?;
+    let all = filled.all(|(values, corners)| values == per_corner * corners);
+    all.then_some(per_corner)
 }
 
 impl Table {
@@ -75,6 +110,15 @@ impl Table {
 }
 
 impl Column {
+    /// Reverses the order of all groups of `size` values but the first.
+    fn turn(&mut self, size: usize) {
+        match_column!(self, values => {
+            let others = &mut values[size..];
+            others.reverse();
+            others.chunks_exact_mut(size).for_each(<[_]>::reverse);
+        }, _nested => {});
+    }
+
     fn rows_of(&self, rows: &[u32]) -> Self {
         fn taken<T: Clone>(values: &[T], rows: &[u32]) -> Vec<T> {
             rows.iter().map(|r| values[*r as usize].clone()).collect()

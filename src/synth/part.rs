@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::tessellate::{Tessellation, index, perpendicular, rounded};
 use super::{Draw, SynthError, SynthParams, stream};
 use crate::base::BaseSurface;
-use crate::mesh::{Adjacency, TriMesh};
+use crate::mesh::{Adjacency, DisjointSets, TriMesh};
 use crate::rng::Rng;
 
 /// Edges that stay between a hole and the rim.
@@ -242,16 +242,16 @@ fn keep(triangles: &[[u32; 3]], kept: &[bool]) -> Vec<[u32; 3]> {
 
 /// The most triangles that hang together by edges.
 fn largest_piece(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
-    let mut pieces = Groups::new(triangles.len());
+    let mut pieces = DisjointSets::new(triangles.len());
     for (a, b) in neighbors(&sides(triangles)) {
         pieces.join(a.triangle, b.triangle);
     }
-    let pieces = pieces.names();
+    let pieces = pieces.into_lowest();
     let mut sizes = vec![0usize; triangles.len()];
     for piece in &pieces {
-        sizes[*piece] += 1;
+        sizes[*piece as usize] += 1;
     }
-    let largest = first_largest(sizes.into_iter().enumerate());
+    let largest = first_largest((0u32..).zip(sizes));
     let of_piece = triangles.iter().zip(&pieces);
     of_piece
         .filter(|(_, piece)| Some(**piece) == largest)
@@ -261,18 +261,21 @@ fn largest_piece(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
 
 /// Where triangles at a vertex form more than one fan, only the largest fan stays.
 fn without_bow_ties(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
-    let corner = |triangle: usize, v: u32| {
-        let at = triangles[triangle].iter().position(|c| *c == v);
-        3 * triangle + at.expect("an edge's ends are corners of its triangles")
+    let corner = |triangle: u32, v: u32| {
+        let mut corners = (3 * triangle..).zip(triangles[triangle as usize]);
+        let found = corners.find(|(_, at)| *at == v);
+        found
+            .expect("an edge's ends are corners of its triangles")
+            .0
     };
-    let mut fans = Groups::new(3 * triangles.len());
+    let mut fans = DisjointSets::new(3 * triangles.len());
     for (a, b) in neighbors(&sides(triangles)) {
         for v in a.edge {
             fans.join(corner(a.triangle, v), corner(b.triangle, v));
         }
     }
-    let mut corners: Vec<(u32, usize, usize)> = fans
-        .names()
+    let mut corners: Vec<(u32, u32, usize)> = fans
+        .into_lowest()
         .into_iter()
         .enumerate()
         .map(|(corner, fan)| (triangles[corner / 3][corner % 3], fan, corner))
@@ -293,7 +296,7 @@ fn without_bow_ties(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
 }
 
 /// The first name with the largest size.
-fn first_largest(sizes: impl Iterator<Item = (usize, usize)>) -> Option<usize> {
+fn first_largest(sizes: impl Iterator<Item = (u32, usize)>) -> Option<u32> {
     sizes
         .reduce(|best, next| if next.1 > best.1 { next } else { best })
         .map(|(name, _)| name)
@@ -304,15 +307,15 @@ fn first_largest(sizes: impl Iterator<Item = (usize, usize)>) -> Option<usize> {
 struct Side {
     /// Lower and higher vertex.
     edge: [u32; 2],
-    triangle: usize,
+    triangle: u32,
 }
 
 /// All sides, those of the same edge next to each other.
 fn sides(triangles: &[[u32; 3]]) -> Vec<Side> {
     let mut sides: Vec<Side> = triangles
         .iter()
-        .enumerate()
-        .flat_map(|(triangle, &[a, b, c])| {
+        .zip(0u32..)
+        .flat_map(|(&[a, b, c], triangle)| {
             [[a, b], [b, c], [c, a]].map(|[a, b]| Side {
                 edge: [a.min(b), a.max(b)],
                 triangle,
@@ -329,36 +332,6 @@ fn neighbors(sides: &[Side]) -> impl Iterator<Item = (Side, Side)> {
         .windows(2)
         .filter(|pair| pair[0].edge == pair[1].edge)
         .map(|pair| (pair[0], pair[1]))
-}
-
-/// Disjoint sets; each is named after its lowest member.
-struct Groups {
-    parent: Vec<usize>,
-}
-
-impl Groups {
-    fn new(members: usize) -> Self {
-        Self {
-            parent: (0..members).collect(),
-        }
-    }
-
-    fn find(&mut self, mut member: usize) -> usize {
-        while self.parent[member] != member {
-            self.parent[member] = self.parent[self.parent[member]];
-            member = self.parent[member];
-        }
-        member
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.find(a), self.find(b));
-        self.parent[a.max(b)] = a.min(b);
-    }
-
-    fn names(mut self) -> Vec<usize> {
-        (0..self.parent.len()).map(|m| self.find(m)).collect()
-    }
 }
 
 #[cfg(test)]
