@@ -19,6 +19,12 @@ pub enum ScanError {
         /// The path.
         name: String,
     },
+    /// The path is not a device.
+    #[error("{name} is a device, which may have no end; name a file or a pipe")]
+    IsDevice {
+        /// The path.
+        name: String,
+    },
     /// The file can be read.
     #[error("cannot read {name} ({source}); check its permissions")]
     Read {

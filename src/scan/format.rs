@@ -229,10 +229,26 @@ pub(super) fn load(path: &Path, name: &str) -> Result<Vec<u8>, ScanError> {
     if path.is_dir() {
         return Err(ScanError::IsFolder { name });
     }
+    // What cannot be asked cannot be read either, which the system tells below.
+    if std::fs::metadata(path).is_ok_and(|m| is_endless(m.file_type())) {
+        return Err(ScanError::IsDevice { name });
+    }
     std::fs::read(path).map_err(|source| match source.kind() {
         ErrorKind::NotFound => ScanError::NotFound { name },
         _ => ScanError::Read { name, source },
     })
+}
+
+/// Whether it is a device such as `/dev/zero`, which may have no end. Pipes are none.
+#[cfg(unix)]
+fn is_endless(file: std::fs::FileType) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    file.is_char_device()
+}
+
+#[cfg(not(unix))]
+fn is_endless(_: std::fs::FileType) -> bool {
+    false
 }
 
 /// Reads a scan of a known format; `name` stands for the file in errors. Files that it refers to
@@ -315,8 +331,10 @@ pub fn write(scan: &Scan, path: &Path, options: &WriteOptions) -> Result<(), Sca
     output.commit()
 }
 
-/// Writes a scan; `name` stands for the file in errors. OBJ keeps positions, colours and faces; STL
-/// positions and triangles, rounded to `float`.
+/// Writes a scan; `name` stands for the file in errors. PLY keeps every channel; OBJ positions, colours and
+/// faces; OFF those and normals; STL positions and triangles, rounded to `float`; glTF (as GLB) positions,
+/// rounded to `float`, normals, colours, triangles, and every other channel that is a number. What is lost is
+/// told by a warning.
 ///
 /// # Errors
 /// [`ScanError::CannotWriteFormat`]; [`ScanError::NoFacesToWrite`]; [`ScanError::Write`] with what the system says.

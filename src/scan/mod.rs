@@ -49,6 +49,7 @@ mod stl;
 mod text;
 mod texture;
 mod triangulate;
+mod vertex_lists;
 mod xyz;
 
 pub use append::Added;
@@ -160,7 +161,7 @@ impl Scan {
     /// # Errors
     /// The first broken rule, in the order: missing coordinates, no vertices, too many vertices,
     /// coordinates that are not finite, faces with fewer than three vertices or with one that does not
-    /// exist.
+    /// exist, channels of more or fewer faces than there are.
     pub fn check(&self, name: &str) -> Result<(), ScanError> {
         let name = || name.to_owned();
         let vertices = self.vertices.rows;
@@ -212,6 +213,17 @@ impl Scan {
                     vertices,
                 });
             }
+        }
+        let channels = &self.face_channels;
+        if !channels.channels.is_empty() && channels.rows != self.faces.len() {
+            return Err(ScanError::Malformed {
+                name: name(),
+                reason: format!(
+                    "there are {} faces, but properties of {}",
+                    self.faces.len(),
+                    channels.rows
+                ),
+            });
         }
         Ok(())
     }

@@ -15,13 +15,11 @@ pub(super) use self::write::write;
 
 use ply_rs::ply::{Encoding, PropertyType, ScalarType};
 
+use super::vertex_lists::INDEX_NAMES;
 use super::{Channel, Column, Scan, ScanError, Table};
 use crate::mesh::Csr;
 use header::{Element, Header, read_header};
 use rows::{Row, RowError};
-
-/// Names of the list of a face's vertices.
-const INDEX_NAMES: [&str; 2] = ["vertex_indices", "vertex_index"];
 
 /// Reads a PLY file; range grids are not yet triangulated.
 pub(super) fn read(bytes: &[u8], name: &str) -> Result<Scan, ScanError> {
@@ -45,9 +43,7 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<Scan, ScanError> {
     };
     for element in &elements {
         if element.name == "face" {
-            let indices = INDEX_NAMES
-                .iter()
-                .find_map(|n| element.properties.iter().position(|p| p == n));
+            let indices = index_list(element);
             if indices.is_none() && element.def.count > 0 {
                 return Err(ScanError::MissingIndices {
                     name: name.to_owned(),
@@ -80,6 +76,17 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<Scan, ScanError> {
     }
     tristrips::unroll(&mut scan, name)?;
     Ok(scan)
+}
+
+/// The list of a face's vertices among its properties.
+fn index_list(element: &Element) -> Option<usize> {
+    let types = element.def.properties.values().map(|p| &p.data_type);
+    let properties = || element.properties.iter().zip(types.clone());
+    INDEX_NAMES.iter().find_map(|known| {
+        properties().position(|(name, data_type)| {
+            name == known && matches!(data_type, PropertyType::List(..))
+        })
+    })
 }
 
 /// What is left of the file behind the header.

@@ -8,6 +8,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use super::vertex_lists::{exact_index, index_lists};
 use super::{Column, Scan, ScanError, Table};
 use crate::mesh::{Csr, triangle_normal};
 
@@ -54,6 +55,8 @@ pub(super) fn triangulate(
     }
     log::info!("{name}: {} triangles from its range grid", faces.len());
     scan.faces = faces;
+    // Of the faces that the file does not have.
+    scan.face_channels = Table::default();
     Ok(())
 }
 
@@ -84,10 +87,7 @@ impl Grid {
                 cells: table.rows,
             });
         };
-        let lists = ["vertex_indices", "vertex_index"]
-            .iter()
-            .find_map(|n| table.column(n));
-        let Some(Column::List(lists)) = lists else {
+        let Some(lists) = index_lists(table) else {
             return Err(row_error(
                 name,
                 0,
@@ -226,12 +226,6 @@ fn info<'a>(lines: &'a [String], key: &str) -> Option<&'a str> {
         let mut words = line.split_whitespace();
         (words.next() == Some(key)).then(|| words.next()).flatten()
     })
-}
-
-pub(super) fn exact_index(value: f64, vertices: usize) -> Option<u32> {
-    let index = <u32 as super::channel::Scalar>::rounded(value);
-    let exact = f64::from(index).to_bits() == value.to_bits();
-    (exact && (index as usize) < vertices).then_some(index)
 }
 
 fn row_error(name: &str, row: usize, reason: String) -> ScanError {

@@ -292,6 +292,13 @@ fn rows_that_break_the_rules_are_named() {
             "no list `vertex_indices`",
         ),
         (
+            file(
+                "element face 1\nproperty int vertex_indices\n",
+                &format!("{points}0"),
+            ),
+            "no list `vertex_indices`",
+        ),
+        (
             vertices.replace('3', "0") + "end_header\n",
             "holds no vertices",
         ),
@@ -387,6 +394,13 @@ fn paths_choose_the_format_and_bad_ones_are_named() {
     assert!(matches!(error, ScanError::NotFound { .. }), "{error}");
     let error = read(folder.path(), &ReadOptions::default()).unwrap_err();
     assert!(matches!(error, ScanError::IsFolder { .. }), "{error}");
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("/dev/zero", path("endless.ply")).unwrap();
+        let error = read(&path("endless.ply"), &ReadOptions::default()).unwrap_err();
+        assert!(matches!(error, ScanError::IsDevice { .. }), "{error}");
+        std::fs::remove_file(path("endless.ply")).unwrap();
+    }
     let before = std::fs::read_dir(folder.path()).unwrap().count();
     for (name, part) in [
         ("b.xyz", "cannot write this format"),

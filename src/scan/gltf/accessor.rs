@@ -159,7 +159,7 @@ fn overwrite(
     let replacements = replacements.numbers(component, width, buffers)?;
     let elements = values.len() / width;
     for (index, replacement) in indices.iter().zip(replacements.chunks_exact(width)) {
-        let index = crate::scan::range_grid::exact_index(*index, elements);
+        let index = crate::scan::vertex_lists::exact_index(*index, elements);
         let index = index.ok_or("a sparse index exceeds it")? as usize;
         values[index * width..(index + 1) * width].copy_from_slice(replacement);
     }

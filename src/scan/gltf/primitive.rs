@@ -189,7 +189,7 @@ impl<'a> Builder<'a> {
             return Ok(());
         }
         let corner = |index: f64| {
-            let index = crate::scan::range_grid::exact_index(index, count);
+            let index = crate::scan::vertex_lists::exact_index(index, count);
             let index = index.ok_or_else(|| format!("an index exceeds its {count} vertices"))?;
             u32::try_from(first + index as usize).map_err(|_| "it has 2^32 vertices".to_owned())
         };

@@ -5,7 +5,8 @@
 //! around.
 
 use crate::mesh::Csr;
-use crate::scan::{Column, Scan, ScanError};
+use crate::scan::vertex_lists::{exact_index, index_lists};
+use crate::scan::{Scan, ScanError, Table};
 
 /// Name of the element that holds strips.
 const TRISTRIPS: &str = "tristrips";
@@ -27,10 +28,7 @@ pub(super) fn unroll(scan: &mut Scan, name: &str) -> Result<(), ScanError> {
         reason,
     };
     let table = &scan.other_elements[at].1;
-    let lists = ["vertex_indices", "vertex_index"]
-        .iter()
-        .find_map(|n| table.column(n));
-    let Some(Column::List(lists)) = lists else {
+    let Some(lists) = index_lists(table) else {
         return Err(row_error(0, "it has no list `vertex_indices`".to_owned()));
     };
     let mut faces = Csr::default();
@@ -38,12 +36,9 @@ pub(super) fn unroll(scan: &mut Scan, name: &str) -> Result<(), ScanError> {
         let mut strip = Strip::default();
         for i in 0..list.len() {
             let value = list.get_f64(i).unwrap_or(f64::NAN);
-            let index = <u32 as crate::scan::channel::Scalar>::rounded(value);
             if value < 0.0 {
                 strip = Strip::default();
-            } else if f64::from(index).to_bits() == value.abs().to_bits()
-                && (index as usize) < vertices
-            {
+            } else if let Some(index) = exact_index(value.abs(), vertices) {
                 if let Some(triangle) = strip.next(index) {
                     faces.push_row(&triangle);
                 }
@@ -61,6 +56,8 @@ pub(super) fn unroll(scan: &mut Scan, name: &str) -> Result<(), ScanError> {
     }
     log::info!("{name}: {} triangles from its strips", faces.len());
     scan.faces = faces;
+    // Of the faces that the file does not have.
+    scan.face_channels = Table::default();
     scan.other_elements.remove(at);
     Ok(())
 }
@@ -89,7 +86,7 @@ impl Strip {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scan::Table;
+    use crate::scan::Column;
 
     fn scan(strips: &[&[i32]]) -> Scan {
         let mut scan = Scan::default();

@@ -13,6 +13,7 @@ use ply_rs::writer::Writer;
 
 use crate::mesh::Csr;
 use crate::scan::channel::{Scalar, match_column};
+use crate::scan::vertex_lists::INDEX_NAMES;
 use crate::scan::{Column, Scan, Table};
 
 /// Rows are collected up to about this many bytes before they are written.
@@ -51,7 +52,7 @@ fn write_header(scan: &Scan, out: &mut impl Write, ascii: bool) -> io::Result<()
         face.count = scan.faces.len();
         let list = PropertyType::List(face_count_type(&scan.faces), face_item_type(scan));
         face.properties
-            .add(PropertyDef::new("vertex_indices".to_owned(), list));
+            .add(PropertyDef::new(INDEX_NAMES[0].to_owned(), list));
         face.properties
             .extend(definition("face", &scan.face_channels).properties);
         header.elements.add(face);
