@@ -75,32 +75,6 @@ impl Polygon {
         Point3::from(sum / self.len().max(1) as f64)
     }
 
-    /// The simple polygons that a walk consists of which comes through some vertices more than once: around
-    /// each of several holes that touch there.
-    pub(super) fn lobes(&self) -> Vec<Self> {
-        let mut lobes = Vec::new();
-        let mut open: Vec<usize> = Vec::new();
-        for corner in 0..self.len() {
-            let again = (open.iter()).position(|c| self.vertices[*c] == self.vertices[corner]);
-            if let Some(start) = again {
-                lobes.push(self.of_corners(&open.split_off(start)));
-            }
-            open.push(corner);
-        }
-        lobes.push(self.of_corners(&open));
-        lobes.retain(|lobe| lobe.len() > 2);
-        lobes
-    }
-
-    /// The given corners with the sides that begin at them.
-    fn of_corners(&self, corners: &[usize]) -> Self {
-        let mut polygon = Self::default();
-        for corner in corners {
-            polygon.push(self, *corner, true);
-        }
-        polygon
-    }
-
     /// Some of the corners, ascending, joined by straight sides.
     fn chosen(&self, corners: &[usize]) -> Self {
         let mut chosen = Self::default();
@@ -344,15 +318,6 @@ mod tests {
         assert_eq!(triangles.len() + 2, many.len());
         // Strips beside notches may lie on both sides of a coarse side.
         assert!(area(&many, &triangles) < 1.02 * enclosed(&many));
-    }
-
-    #[test]
-    fn a_walk_around_holes_that_touch_is_taken_apart() {
-        let mut walk = polygon(vec![Point3::origin(); 9]);
-        walk.vertices = vec![7, 1, 2, 7, 3, 4, 3, 5, 6];
-        let lobes: Vec<Vec<u32>> = walk.lobes().into_iter().map(|lobe| lobe.vertices).collect();
-        // Between the two visits to 3 there is one vertex only, which is no hole.
-        assert_eq!(lobes, [vec![7, 1, 2], vec![7, 3, 5, 6]]);
     }
 
     #[test]

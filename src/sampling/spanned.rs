@@ -42,13 +42,8 @@ impl Spanned {
         spacing: f64,
     ) -> Result<Self, FillError> {
         let scan = Scanned { surface, adjacency };
-        let lobes = scan
-            .polygon(gap.rims.first().map_or(&[], Vec::as_slice))
-            .lobes();
-        let alone = Self::over(&lobes, scan, spacing)?;
-        let [rim] = &lobes[..] else {
-            return Ok(alone);
-        };
+        let rim = scan.polygon(gap.rims.first().map_or(&[], Vec::as_slice));
+        let alone = Self::over(&rim, scan, spacing)?;
         let middle = alone.middle();
         let islands: Vec<usize> = (gap.islands.iter().enumerate())
             .filter(|(_, island)| middle.holds(&scan.polygon(island)))
@@ -57,43 +52,38 @@ impl Spanned {
         if islands.is_empty() {
             return Ok(alone);
         }
-        let joint = (islands.iter()).fold(rim.clone(), |rim, island| {
+        let joint = (islands.iter()).fold(rim, |rim, island| {
             rim.with_island(&scan.polygon(&gap.islands[*island]))
         });
         Ok(Self {
             islands,
-            ..Self::over(&[joint], scan, spacing)?
+            ..Self::over(&joint, scan, spacing)?
         })
     }
 
-    fn over(polygons: &[Polygon], scan: Scanned, spacing: f64) -> Result<Self, FillError> {
-        let mut rim: Vec<u32> = polygons.iter().flat_map(|p| p.vertices.clone()).collect();
+    fn over(polygon: &Polygon, scan: Scanned, spacing: f64) -> Result<Self, FillError> {
+        let mut rim = polygon.vertices.clone();
         rim.sort_unstable();
         rim.dedup();
         let local = |v: u32| local_number(rim.binary_search(&v).unwrap_or(0));
         let mut points: Vec<Point3<f64>> = (rim.iter())
             .map(|v| scan.surface.positions[*v as usize])
             .collect();
-        let mut triangles = Vec::new();
-        for polygon in polygons {
-            let found = triangulate(polygon, &|a, b| scan.joined(a, b)).filter(|triangles| {
-                has_no_edge_twice(triangles, |corner| polygon.vertices[corner])
-            });
-            match found {
-                Some(found) => triangles.extend(
-                    (found.into_iter()).map(|t| t.map(|corner| local(polygon.vertices[corner]))),
-                ),
-                // A vertex in the middle, where edges between the rim's own vertices are there already.
-                None if polygon.is_simple() => {
-                    let middle = local_number(points.len());
-                    points.push(polygon.centroid());
-                    let sides =
-                        (polygon.vertices.iter()).zip(polygon.vertices.iter().cycle().skip(1));
-                    triangles.extend(sides.map(|(a, b)| [local(*a), local(*b), middle]));
-                }
-                None => return Err(FillError::CannotBeSpanned),
+        let found = triangulate(polygon, &|a, b| scan.joined(a, b))
+            .filter(|triangles| has_no_edge_twice(triangles, |corner| polygon.vertices[corner]));
+        let triangles = match found {
+            Some(found) => (found.into_iter())
+                .map(|t| t.map(|corner| local(polygon.vertices[corner])))
+                .collect(),
+            // A vertex in the middle, where edges between the rim's own vertices are there already.
+            None if polygon.is_simple() => {
+                let middle = local_number(points.len());
+                points.push(polygon.centroid());
+                let sides = (polygon.vertices.iter()).zip(polygon.vertices.iter().cycle().skip(1));
+                sides.map(|(a, b)| [local(*a), local(*b), middle]).collect()
             }
-        }
+            None => return Err(FillError::CannotBeSpanned),
+        };
         let mut spanned = Self {
             mesh: PatchMesh::new(points, triangles),
             rim,
