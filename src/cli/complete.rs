@@ -13,6 +13,7 @@ use relievo::scan::{self, OutputFile, WriteOptions};
 use relievo::stats;
 use serde_json::{Map, Value, json};
 
+use super::left_open::left_open;
 use super::messages::Bar;
 use super::outcome::{Failure, Reply};
 use super::reading::{Input, Preparation};
@@ -24,7 +25,7 @@ pub(super) struct Arguments {
     pub(super) input: Input,
     #[command(flatten)]
     pub(super) prepare: Preparation,
-    /// The completed scan: .ply, .obj or .stl; - for PLY on standard output
+    /// The completed scan: .ply, .obj, .off, .stl or .glb; - for PLY on standard output
     #[arg(short, long, value_name = "OUT")]
     pub(super) output: PathBuf,
     /// What to fill: interior (gaps, not outer rims), all (rims too, where a base surface closes), largest,
@@ -247,10 +248,7 @@ fn work(
         let message = format!(
             "{}: no hole could be filled; {}",
             arguments.input.name(),
-            (by_reason(report).iter())
-                .map(|(ids, reason)| format!("loop {ids}: {reason}"))
-                .collect::<Vec<_>>()
-                .join("; ")
+            left_open(report, "").join("; ")
         );
         return Err(anyhow::Error::msg(message).into());
     }
@@ -336,8 +334,8 @@ fn tell(report: &CompletionReport, common: &Common) {
             report.counts.holes_left
         );
     }
-    for (ids, reason) in by_reason(report) {
-        let _ = write!(text, "\nrelievo: loop {ids} left open: {reason}");
+    for words in left_open(report, " left open") {
+        let _ = write!(text, "\nrelievo: {words}");
     }
     text.push('\n');
     // Nowhere is left to report that standard error is closed.
@@ -363,21 +361,4 @@ fn base_in_words(report: &CompletionReport) -> String {
         ),
         None => "no single base surface fits".to_owned(),
     }
-}
-
-/// The loops left open with the reason, those with the same reason together.
-fn by_reason(report: &CompletionReport) -> Vec<(String, &str)> {
-    let mut reasons: Vec<(String, &str)> = Vec::new();
-    for hole in &report.skipped {
-        let ids: Vec<String> = hole.loops.iter().map(ToString::to_string).collect();
-        let ids = ids.join(", ");
-        match reasons
-            .iter_mut()
-            .find(|(_, reason)| *reason == hole.reason)
-        {
-            Some((known, _)) => *known = format!("{known}, {ids}"),
-            None => reasons.push((ids, &hole.reason)),
-        }
-    }
-    reasons
 }

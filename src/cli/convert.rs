@@ -15,7 +15,7 @@ use super::reading::{Input, Preparation};
 pub(super) struct Arguments {
     #[command(flatten)]
     pub(super) input: Input,
-    /// Where to: .ply, .obj, .stl, .off or .glb; - for PLY on standard output
+    /// Where to: .ply, .obj, .off, .stl or .glb; - for PLY on standard output
     #[arg(value_name = "OUT")]
     pub(super) output: PathBuf,
     /// Make points a surface and repair it first, as for completion

@@ -10,6 +10,7 @@ mod fit;
 mod holes;
 mod info;
 mod interrupt;
+mod left_open;
 mod messages;
 mod outcome;
 mod reading;

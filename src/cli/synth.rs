@@ -19,7 +19,7 @@ pub(super) struct Arguments {
     /// waves, noise, golf-ball, bark, column or bricks
     #[arg(value_name = "KIND", value_parser = arguments::kind)]
     kind: Kind,
-    /// The scan: .ply, .obj or .stl; - for PLY on standard output
+    /// The scan: .ply, .obj, .off, .stl or .glb; - for PLY on standard output
     #[arg(short, long, value_name = "OUT")]
     pub(super) output: PathBuf,
     /// Number of vertices of the complete object

@@ -26,15 +26,24 @@ impl Plan {
     }
 }
 
-/// Number of loops of a kind that are neither filled nor skipped.
-pub(super) fn left(input: &Input, work: &Work, kind: LoopKind) -> usize {
-    let taken = |id: usize| {
-        let filled = work.added.iter().flat_map(|gap| &gap.report.loops);
-        let skipped = work.skipped.iter().flat_map(|hole| &hole.loops);
-        filled.chain(skipped).any(|taken| *taken == id)
-    };
-    let loops = input.loops.iter().filter(|l| l.kind == kind);
-    loops.filter(|l| !taken(l.id)).count()
+/// Numbers of rims and of holes that are neither filled nor skipped.
+pub(super) fn left(input: &Input, work: &Work) -> [usize; 2] {
+    let filled = work.added.iter().flat_map(|gap| &gap.report.loops);
+    let skipped = work.skipped.iter().flat_map(|hole| &hole.loops);
+    let taken = marked(input, filled.chain(skipped));
+    [LoopKind::Rim, LoopKind::Hole].map(|kind| {
+        let loops = input.loops.iter().filter(|l| l.kind == kind);
+        loops.filter(|l| !taken[l.id]).count()
+    })
+}
+
+/// For each loop, whether its number is among `ids`.
+fn marked<'a>(input: &Input, ids: impl Iterator<Item = &'a usize>) -> Vec<bool> {
+    let mut marked = vec![false; input.loops.len()];
+    for id in ids {
+        marked[*id] = true;
+    }
+    marked
 }
 
 /// Groups the chosen loops into gaps, and adds those of the extension.
@@ -121,13 +130,13 @@ fn ring_gaps(input: &Input, whole: &Patch) -> Vec<usize> {
         .filter(|l| l.kind == LoopKind::Rim && l.defect.is_none())
         .filter(|l| lies_on(whole, l))
         .filter(|l| {
-            let with_others = single_gap(input, l.id).gap;
             let alone = Gap {
+                rims: vec![l.vertices.clone()],
                 islands: Vec::new(),
-                ..with_others.clone()
+                extend_over: None,
             };
             !is_bounded(base, &whole.relief, &alone)
-                && is_bounded(base, &whole.relief, &with_others)
+                && is_bounded(base, &whole.relief, &single_gap(input, l.id).gap)
         })
         .map(|l| l.id)
         .collect()
@@ -138,16 +147,16 @@ fn extend(input: &Input, whole: &Patch, plan: &mut Plan) {
     let Some(main) = main_component(input, whole) else {
         return;
     };
-    let taken: Vec<usize> = (plan.on_base.iter().chain(&plan.off_base))
-        .flat_map(|gap| gap.rim_ids.iter().copied())
-        .collect();
+    let gaps = plan.on_base.iter().chain(&plan.off_base);
+    let taken = marked(input, gaps.flat_map(|gap| &gap.rim_ids));
+    let skipped = marked(input, plan.skipped.iter().flat_map(|hole| &hole.loops));
     let mut rims: Vec<&BoundaryLoop> = (input.loops.iter())
         .filter(|l| l.kind == LoopKind::Rim && l.component == main)
-        .filter(|l| !taken.contains(&l.id))
+        .filter(|l| !taken[l.id])
         .collect();
     for rim in &rims {
         if let Some(edge) = rim.defect
-            && !plan.skipped.iter().any(|hole| hole.loops.contains(&rim.id))
+            && !skipped[rim.id]
         {
             plan.skipped.push(broken(rim.id, edge));
         }

@@ -131,6 +131,7 @@ pub fn complete(
     remember(&mut scan, base.as_ref(), noted.map(|done| &done.remembered));
     clock.end("assemble");
     let seconds = clock.stages;
+    let [rims_left, holes_left] = gaps::left(&input, &work);
     let counts = Counts {
         original_vertices: input.mesh.positions.len(),
         original_faces: scan.faces.len() - work.faces(),
@@ -138,8 +139,8 @@ pub fn complete(
         completed_faces: work.faces(),
         samples: work.samples,
         loops: input.loops.len(),
-        rims_left: gaps::left(&input, &work, LoopKind::Rim),
-        holes_left: gaps::left(&input, &work, LoopKind::Hole),
+        rims_left,
+        holes_left,
         stray_vertices: input.strays,
     };
     let mut report = CompletionReport {
