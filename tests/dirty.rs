@@ -262,7 +262,11 @@ fn seams_are_no_holes_and_stay_as_they_are() {
             .collect()
     };
     let reference = place.scan("whole_out.ply");
-    assert_eq!(new(&out, "x").len(), new(&reference, "x").len());
+    for channel in &reference.vertices.channels {
+        let [new, expected] = [&out, &reference].map(|scan| new(scan, &channel.name));
+        assert!(!expected.is_empty());
+        assert_eq!(new, expected, "{}", channel.name);
+    }
     place.done("holes in.ply --no-repair=weld --json apart.json");
     assert_ne!(counted("apart.json"), counted("without.json"));
 }
@@ -371,10 +375,13 @@ fn info_tells_what_is_there() {
     assert_eq!(info["colors"], scan.colors().is_some());
 }
 
-/// Waits until the program has begun its output, sends it the signal, and gives its exit code.
+/// Waits until the program has begun its output, sends it the signals, and gives its exit code. All but
+/// the last must leave it running; `before` is what its shell does first.
 #[cfg(unix)]
-fn interrupted(place: &Place, signal: &str) -> (Option<i32>, String) {
-    let child = Command::new(env!("CARGO_BIN_EXE_relievo"))
+fn interrupted(place: &Place, before: &str, signals: &[&str]) -> (Option<i32>, String) {
+    let program = env!("CARGO_BIN_EXE_relievo");
+    let mut child = Command::new("sh")
+        .args(["-c", &format!("{before} exec \"$0\" \"$@\""), program])
         .args("complete in.ply -o out.ply --method paper --json report.json".split(' '))
         .current_dir(place.0.path())
         .stdout(Stdio::null())
@@ -389,30 +396,53 @@ fn interrupted(place: &Place, signal: &str) -> (Option<i32>, String) {
         );
         std::thread::sleep(Duration::from_millis(5));
     }
-    let sent = Command::new("kill")
-        .args([signal, &child.id().to_string()])
-        .status();
-    assert!(sent.expect("there is kill").success());
+    for (k, signal) in signals.iter().enumerate() {
+        if k > 0 {
+            std::thread::sleep(Duration::from_millis(300));
+            let ended = child.try_wait().expect("it can be asked");
+            assert_eq!(ended, None, "{} ended it", signals[k - 1]);
+        }
+        let sent = Command::new("kill")
+            .args([*signal, &child.id().to_string()])
+            .status();
+        assert!(sent.expect("there is kill").success());
+    }
     let output = child.wait_with_output().expect("the program ends");
     let said = String::from_utf8(output.stderr).expect("messages are UTF-8");
     (output.status.code(), said)
 }
 
-#[test]
+/// A scan that takes some time.
 #[cfg(unix)]
-fn an_interrupt_leaves_nothing_half_written() {
-    let scan = relievo::synth::scan(&relievo::synth::SynthParams {
+fn large() -> Scan {
+    let made = relievo::synth::scan(&relievo::synth::SynthParams {
         vertices: 20_000,
         part: Part::hole(0.2),
         ..relievo::synth::SynthParams::default()
     });
-    let place = Place::with("in.ply", &scan.expect("the parameters are in range").scan);
+    made.expect("the parameters are in range").scan
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupt_leaves_nothing_half_written() {
+    let place = Place::with("in.ply", &large());
     for signal in ["-INT", "-TERM", "-HUP"] {
-        let (code, said) = interrupted(&place, signal);
+        let (code, said) = interrupted(&place, "", &[signal]);
         assert_eq!(code, Some(130), "{signal}: {said}");
         assert!(said.contains("interrupted"), "{signal}: {said}");
         assert_eq!(place.files(), ["in.ply"], "{signal}");
     }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_hang_up_that_is_ignored_already_stays_so() {
+    let place = Place::with("in.ply", &large());
+    // As `nohup` does.
+    let (code, said) = interrupted(&place, "trap '' HUP;", &["-HUP", "-TERM"]);
+    assert_eq!(code, Some(130), "{said}");
+    assert_eq!(place.files(), ["in.ply"]);
 }
 
 #[test]
