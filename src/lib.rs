@@ -18,7 +18,7 @@
 //! | [`matching`] | neighborhood + samples → best matches over all rotations | §3; [`bibliography#patchmatch-2009`] |
 //! | [`likeness`] | surface + piece → how far the piece is from the rest, in units of natural variation | ISO 25178-2 |
 //! | [`completion`] | scan → completed scan, grown from the front inwards | Appendix A |
-//! | [`stats`] | completed scan → original against completed part in figures | Table 1, Fig. 13 |
+//! | [`stats`] | completed scan → original against completed part in figures; height map → areal parameters | Table 1, Fig. 13; ISO 25178-2 |
 //! | [`evaluation`] | scan → holes cut, completed, and judged by the surface's own variation | |
 //! | [`synth`] | parameters → synthetic scans with known truth | Fig. 8–12 |
 //!

@@ -7,6 +7,7 @@ mod complete;
 mod convert;
 mod evaluate;
 mod fit;
+mod height_map;
 mod holes;
 mod info;
 mod interrupt;
@@ -74,7 +75,8 @@ enum Command {
     Holes(holes::Arguments),
     /// Tell what is in a file: vertices, faces, properties, extent, pieces, holes, what would be repaired
     Info(info::Arguments),
-    /// Compare the original part of a completed scan with the completed part
+    /// Compare the original part of a completed scan with the completed part, or tell the areal parameters of a
+    /// height map (--step)
     Stats(stats::Arguments),
     /// Make a test scan with known truth: by default with a hole, or --full, or seen from one side
     Synth(synth::Arguments),

@@ -7,9 +7,9 @@ use clap::Args;
 use relievo::stats::{self, Comparison};
 use serde_json::{Map, Value, json};
 
-use super::Common;
 use super::outcome::Reply;
 use super::reading::{Input, Preparation};
+use super::{Common, height_map};
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
@@ -17,9 +17,19 @@ pub(super) struct Arguments {
     pub(super) input: Input,
     #[command(flatten)]
     prepare: Preparation,
+    #[command(flatten)]
+    map: height_map::Options,
 }
 
 pub(super) fn run(arguments: &Arguments, common: &Common) -> super::Result {
+    if let Some(reply) = height_map::run(&arguments.map, &arguments.input) {
+        return reply;
+    }
+    parts(arguments, common).map_err(|failure| height_map::hinted(failure, &arguments.input))
+}
+
+/// The original against the completed part of a scan.
+fn parts(arguments: &Arguments, common: &Common) -> super::Result {
     let mut known = Map::new();
     let surface = arguments
         .prepare

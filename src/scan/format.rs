@@ -141,7 +141,7 @@ impl Format {
     }
 
     /// The format that the first bytes tell beyond doubt.
-    fn of_content(bytes: &[u8]) -> Option<Self> {
+    pub(super) fn of_content(bytes: &[u8]) -> Option<Self> {
         const MAGIC: [(&[u8], Format); 9] = [
             (b"ASTM-E57", Format::E57),
             (b"LASF", Format::Las),
@@ -195,15 +195,7 @@ impl Format {
 /// # Errors
 /// A [`ScanError`] that names the file; see there.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Scan, ScanError> {
-    let (name, bytes) = if path == Path::new("-") {
-        let name = "standard input".to_owned();
-        let bytes = read_all(std::io::stdin().lock(), &name)?;
-        (name, bytes)
-    } else {
-        let name = path.display().to_string();
-        let bytes = load(path, &name)?;
-        (name, bytes)
-    };
+    let (name, bytes) = bytes_of(path)?;
     let format = match (Format::of_content(&bytes), Format::of_path(path)) {
         (Some(content), Ok(extension)) if content != extension && path != Path::new("-") => {
             log::warn!("{name}: read as {content}, which its first bytes tell");
@@ -221,6 +213,18 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Scan, ScanError> {
         options,
     };
     parse(&source, format)
+}
+
+/// What stands for a file, or for standard input (`-`), in messages, and its bytes.
+pub(super) fn bytes_of(path: &Path) -> Result<(String, Vec<u8>), ScanError> {
+    if path == Path::new("-") {
+        let name = "standard input".to_owned();
+        let bytes = read_all(std::io::stdin().lock(), &name)?;
+        return Ok((name, bytes));
+    }
+    let name = path.display().to_string();
+    let bytes = load(path, &name)?;
+    Ok((name, bytes))
 }
 
 /// The bytes of a file.

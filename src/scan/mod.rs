@@ -17,6 +17,8 @@
 //! | LAS | LAS, LAZ | no | positions, colours, properties of the standard, extra bytes |
 //! | depth images | PNG, TIFF | no | positions, colours of a second image, grid, place of the camera |
 //!
+//! Height maps of other instruments are no scans: [`read_height_map`] reads them, from text.
+//!
 //! Numbers of text files other than PLY are `double`. Files are not trusted: whatever their bytes,
 //! [`read`] gives a scan that passes [`Scan::check`], or a [`ScanError`] that says what to do, and
 //! memory follows the size of the file, not what its header claims.
@@ -30,6 +32,7 @@ mod e57;
 mod error;
 mod format;
 mod gltf;
+mod height_map;
 #[cfg(feature = "image")]
 mod image_file;
 mod las;
@@ -56,6 +59,7 @@ pub use append::Added;
 pub use channel::{Channel, Column, Table};
 pub use error::ScanError;
 pub use format::{Format, read, read_from, write, write_to};
+pub use height_map::{HeightMap, read_height_map};
 pub use options::{Intrinsics, ReadOptions, WriteOptions};
 pub use output::{OutputFile, abandon_outputs};
 pub use range_grid::RANGE_GRID;

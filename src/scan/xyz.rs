@@ -70,15 +70,7 @@ impl Dialect {
         {
             semicolons |= line.contains(';');
             commas |= line.contains(',');
-            // `0,5 1,5 2`: at most one comma in a number, none of them at its end, and no dots.
-            decimal &= !line.contains('.')
-                && line.split_whitespace().nth(1).is_some()
-                && line.split_whitespace().all(|token| {
-                    let mut parts = token.split(',');
-                    let whole = parts.next().is_some_and(|p| !p.is_empty());
-                    let fraction = parts.next().is_none_or(|p| !p.is_empty());
-                    whole && fraction && parts.next().is_none()
-                });
+            decimal &= has_decimal_commas(&line);
         }
         let separator = match (semicolons, commas && !decimal) {
             (true, _) => Some(b';'),
@@ -90,6 +82,19 @@ impl Dialect {
             decimal_comma: commas && separator != Some(b','),
         }
     }
+}
+
+/// Whether the commas of a line can be decimal ones, as in `0,5 1,5 2`: at most one in a number, none of
+/// them at its end, and no dots.
+pub(super) fn has_decimal_commas(line: &str) -> bool {
+    !line.contains('.')
+        && line.split_whitespace().nth(1).is_some()
+        && line.split_whitespace().all(|token| {
+            let mut parts = token.split(',');
+            let whole = parts.next().is_some_and(|p| !p.is_empty());
+            let fraction = parts.next().is_none_or(|p| !p.is_empty());
+            whole && fraction && parts.next().is_none()
+        })
 }
 
 #[derive(Debug)]

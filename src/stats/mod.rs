@@ -1,9 +1,10 @@
-//! Original against completed part in figures.
+//! Original against completed part in figures; areal parameters of height maps ([`areal`]).
 //!
 //! # Reference
 //! [Breckon & Fisher 2005](crate::bibliography#breckon--fisher-2005), Table 1 (mean integral) and
 //! Fig. 13 (colour histograms).
 
+pub mod areal;
 mod histogram;
 mod integral;
 
