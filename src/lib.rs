@@ -20,6 +20,7 @@
 //! | [`completion`] | scan → completed scan, grown from the front inwards | Appendix A |
 //! | [`stats`] | completed scan → original against completed part in figures; height map → areal parameters | Table 1, Fig. 13; ISO 25178-2 |
 //! | [`evaluation`] | scan → holes cut, completed, and judged by the surface's own variation | |
+//! | [`picture`] | scan and its channels → picture, drawn on the processor; computes no figures | |
 //! | [`synth`] | parameters → synthetic scans with known truth | Fig. 8–12 |
 //!
 //! Units: lengths are absolute, in the scan's own (unknown) unit, `f64`; angles are radians;
@@ -40,4 +41,5 @@ pub mod likeness;
 pub mod completion;
 pub mod stats;
 pub mod evaluation;
+pub mod picture;
 pub mod synth;

@@ -15,6 +15,7 @@ mod left_open;
 mod messages;
 mod outcome;
 mod reading;
+mod render;
 mod stats;
 mod synth;
 
@@ -75,6 +76,8 @@ enum Command {
     Holes(holes::Arguments),
     /// Tell what is in a file: vertices, faces, properties, extent, pieces, holes, what would be repaired
     Info(info::Arguments),
+    /// Draw a scan or one of its channels as a PNG picture, without a display
+    Render(render::Arguments),
     /// Compare the original part of a completed scan with the completed part, or tell the areal parameters of a
     /// height map (--step)
     Stats(stats::Arguments),
@@ -117,6 +120,7 @@ pub(crate) fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         Command::Fit(arguments) => fit::run(arguments, &common),
         Command::Holes(arguments) => holes::run(arguments, &common),
         Command::Info(arguments) => info::run(arguments),
+        Command::Render(arguments) => render::run(arguments, &common),
         Command::Stats(arguments) => stats::run(arguments, &common),
         Command::Synth(arguments) => synth::run(arguments, &common),
     };
@@ -133,6 +137,7 @@ impl Command {
             Self::Fit(a) => ("fit", Some(&a.input.path), None),
             Self::Holes(a) => ("holes", Some(&a.input.path), None),
             Self::Info(a) => ("info", Some(&a.input.path), None),
+            Self::Render(a) => ("render", Some(&a.input.path), Some(&a.output)),
             Self::Stats(a) => ("stats", Some(&a.input.path), None),
             Self::Synth(a) => ("synth", None, Some(&a.output)),
         }
@@ -194,6 +199,19 @@ mod tests {
         let default = relievo::evaluation::EvaluationParams::default();
         assert_eq!(params("relievo evaluate in.ply"), default);
         let all = "relievo evaluate in.ply --hole 0.04 --repeat 3 --pieces 128 --fill completed";
+        assert_eq!(params(all), default);
+    }
+
+    #[test]
+    fn bare_render_arguments_are_the_librarys_defaults() {
+        let params = |line: &str| match Cli::try_parse_from(line.split(' ')).unwrap().command {
+            Command::Render(arguments) => arguments.params(0),
+            _ => unreachable!(),
+        };
+        let default = relievo::picture::RenderParams::default();
+        assert_eq!(params("relievo render in.ply -o out.png"), default);
+        let all = "relievo render in.ply -o out.png --view auto --up auto --zoom 1 --look-at all \
+                   --projection perspective --size 1600x1200 --background white";
         assert_eq!(params(all), default);
     }
 

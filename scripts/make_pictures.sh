@@ -1,0 +1,70 @@
+#!/usr/bin/env bash
+# Makes the README's pictures (docs/pictures), by relievo alone: synthetic scans, as they are and completed.
+# Where ../shared/data is there, pictures of those scans go to target/pictures: they
+# are not ours to redistribute.
+# RELIEVO=path/to/relievo takes that program instead of building one.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+if [ -z "${RELIEVO:-}" ]; then
+    cargo build --release --locked
+    RELIEVO=target/release/relievo
+fi
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+out=docs/pictures
+mkdir -p "$out"
+
+# complete NAME SCAN [OPTION…]: the completed scan, as NAME.
+complete() {
+    local name=$1 scan=$2
+    shift 2
+    # 3: some holes had to be left open, which is no failure here.
+    "$RELIEVO" complete "$scan" -o "$folder/$name.ply" -q "$@" || [ $? -eq 3 ]
+}
+
+# picture NAME WHAT [OPTION…]: a picture NAME-WHAT.png of the completed scan NAME.
+picture() {
+    local name=$1 what=$2
+    shift 2
+    "$RELIEVO" render "$folder/$name.ply" -o "$out/$name-$what.png" -q "$@"
+}
+
+# before_and_after NAME [OPTION…]
+before_and_after() {
+    local name=$1
+    shift
+    picture "$name" before --before "$@"
+    picture "$name" after "$@"
+}
+
+"$RELIEVO" synth golf-ball --view 0,0,1 -o "$folder/golf-ball-half.ply" -q
+complete golf-ball "$folder/golf-ball-half.ply" --extend
+golf=(--view 90,20 --up z)
+before_and_after golf-ball --size 400x350 "${golf[@]}"
+picture golf-ball completed --size 400x350 --channel completed --no-legend "${golf[@]}"
+picture golf-ball height --size 480x350 --channel height "${golf[@]}"
+
+"$RELIEVO" synth bark -o "$folder/bark-hole.ply" -q
+complete bark "$folder/bark-hole.ply"
+before_and_after bark --size 400x350
+picture bark completed --size 400x350 --channel completed --no-legend
+
+"$RELIEVO" synth bricks -o "$folder/bricks-hole.ply" -q
+complete bricks "$folder/bricks-hole.ply"
+before_and_after bricks --size 400x350
+picture bricks source --size 400x350 --channel source --no-legend
+
+shared=../shared/data
+if [ ! -d "$shared" ]; then
+    echo "SKIPPED: $shared is not there, so there are no pictures of its scans"
+    exit 0
+fi
+out=target/pictures
+mkdir -p "$out"
+complete limestone "$shared/scans/limestone_V21_grid.ply"
+before_and_after limestone
+picture limestone completed --channel completed
+picture limestone height --channel height
+complete tower "$shared/holes/tower_holes.obj"
+before_and_after tower
+picture tower completed --channel completed
