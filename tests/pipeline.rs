@@ -409,7 +409,10 @@ fn a_second_completion_keeps_the_marks_of_the_first() {
     let names: Vec<&str> = (second.scan.vertices.channels.iter())
         .map(|c| c.name.as_str())
         .collect();
-    assert_eq!(names, ["x", "y", "z", "completed", "height", "source"]);
+    assert_eq!(
+        names,
+        ["x", "y", "z", "completed", "height", "source", "cost"]
+    );
 }
 
 #[test]

@@ -46,7 +46,8 @@ pub(super) fn install(common: &Common) {
     }
 }
 
-/// A progress bar on a terminal, nothing elsewhere.
+/// A progress bar on a terminal, nothing elsewhere: the stage, the share that is done and the time that is
+/// left, or the time that it has taken where that is not known.
 pub(super) struct Bar {
     bar: ProgressBar,
     stage: &'static str,
@@ -60,12 +61,19 @@ impl Bar {
         } else {
             ProgressBar::hidden()
         };
-        if let Ok(style) = ProgressStyle::with_template("{msg} [{bar:40}] {percent} %, {eta} left")
-        {
-            bar.set_style(style.progress_chars("=> "));
-        }
         bar.enable_steady_tick(Duration::from_millis(500));
         Self { bar, stage: "" }
+    }
+
+    /// A bar that says what is being done, for what cannot tell how far it is.
+    pub(super) fn doing(common: &Common, stage: &'static str) -> Self {
+        let mut bar = Self::new(common);
+        bar.show(Progress {
+            stage,
+            done: 0,
+            total: 0,
+        });
+        bar
     }
 
     pub(super) fn show(&mut self, progress: Progress) {
@@ -73,6 +81,17 @@ impl Bar {
             self.stage = progress.stage;
             self.bar.set_message(progress.stage);
             self.bar.reset();
+            let template = if progress.total > 0 {
+                "{msg} [{bar:40}] {percent} %, {eta} left"
+            } else {
+                "{msg} {spinner} {elapsed}"
+            };
+            if let Ok(style) = ProgressStyle::with_template(template) {
+                self.bar.set_style(style.progress_chars("=> "));
+            }
+        }
+        if progress.total == 0 {
+            return;
         }
         self.bar.set_length(progress.total as u64);
         self.bar.set_position(progress.done as u64);

@@ -13,6 +13,9 @@ pub const COMPLETED: &str = "completed";
 pub const HEIGHT: &str = "height";
 /// Name of the channel with the vertex that a completed one was copied from, −1 for originals.
 pub const SOURCE: &str = "source";
+/// Name of the channel with the normalised cost of a completed vertex's match, from 0 to 1; NaN for
+/// originals.
+pub const COST: &str = "cost";
 
 /// The scan with all that was added.
 pub(super) fn assemble(
@@ -24,6 +27,7 @@ pub(super) fn assemble(
 ) -> Scan {
     let first = input.mesh.positions.len();
     let (mut points, mut colors, mut sources) = (Vec::new(), Vec::new(), Vec::new());
+    let mut costs = Vec::new();
     let mut triangles = Vec::new();
     for gap in &work.added {
         let offset = points.len();
@@ -31,6 +35,7 @@ pub(super) fn assemble(
         colors.extend(gap.colors.iter().flatten());
         sources.extend(&gap.sources);
         heights.extend(&gap.heights);
+        costs.extend(&gap.costs);
         triangles.extend(gap.triangles.iter().map(|t| {
             t.map(|v| match (v as usize).checked_sub(first) {
                 None => v,
@@ -39,7 +44,6 @@ pub(super) fn assemble(
         }));
     }
     let normals = new_normals(input, &points, &triangles, origin);
-    let completed = [vec![0u8; first], vec![1u8; points.len()]].concat();
     let mut out = scan.clone();
     let earlier = earlier_marks(&out);
     rename_foreign_channels(&mut out);
@@ -53,23 +57,55 @@ pub(super) fn assemble(
         sources: &sources,
         triangles: &triangles,
     });
-    let signed = |v: u32| i32::try_from(v).unwrap_or(i32::MAX);
+    set_channels(
+        &mut out,
+        &Marks {
+            first,
+            earlier,
+            heights,
+            sources,
+            costs,
+        },
+    );
+    out
+}
+
+/// What the channels of completion are made of.
+struct Marks {
+    /// Number of vertices of the input.
+    first: usize,
+    earlier: Option<Earlier>,
+    /// #V.
+    heights: Vec<f64>,
+    /// By new vertex.
+    sources: Vec<u32>,
+    /// By new vertex.
+    costs: Vec<f64>,
+}
+
+/// Writes the channels that tell completed from original vertices, keeping what an earlier completion wrote.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "float channels are asked for"
+)]
+fn set_channels(out: &mut Scan, marks: &Marks) {
+    let (first, new) = (marks.first, marks.sources.len());
+    let mut completed = [vec![0u8; first], vec![1u8; new]].concat();
+    let signed = |v: &u32| i32::try_from(*v).unwrap_or(i32::MAX);
     let mut source: Vec<i32> = vec![-1; first];
-    source.extend(sources.iter().map(|v| signed(*v)));
-    let mut completed = completed;
-    if let Some((marks, origins)) = earlier {
-        completed[..first].copy_from_slice(&marks);
-        source[..first].copy_from_slice(&origins);
+    source.extend(marks.sources.iter().map(signed));
+    let mut cost = vec![f32::NAN; first];
+    cost.extend(marks.costs.iter().map(|c| *c as f32));
+    if let Some(earlier) = &marks.earlier {
+        completed[..first].copy_from_slice(&earlier.completed);
+        source[..first].copy_from_slice(&earlier.sources);
+        cost[..first].copy_from_slice(&earlier.costs);
     }
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "a float channel is asked for"
-    )]
-    let heights = heights.iter().map(|h| *h as f32).collect();
+    let heights = marks.heights.iter().map(|h| *h as f32).collect();
     out.vertices.set_channel(COMPLETED, Column::U8(completed));
     out.vertices.set_channel(HEIGHT, Column::F32(heights));
     out.vertices.set_channel(SOURCE, Column::I32(source));
-    out
+    out.vertices.set_channel(COST, Column::F32(cost));
 }
 
 /// Normals of the new vertices, on the completed surface.
@@ -85,8 +121,22 @@ fn new_normals(
     vertex_normals(&mesh).split_off(input.mesh.positions.len())
 }
 
-/// The `completed` and `source` channels of a scan that was completed before.
-pub(super) fn earlier_marks(scan: &Scan) -> Option<(Vec<u8>, Vec<i32>)> {
+/// The channels of a scan that was completed before, #V each.
+pub(super) struct Earlier {
+    /// 1 for completed vertices.
+    pub(super) completed: Vec<u8>,
+    /// −1 for originals.
+    pub(super) sources: Vec<i32>,
+    /// NaN for originals, and where the cost was not written.
+    pub(super) costs: Vec<f32>,
+}
+
+/// What an earlier completion wrote.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "vertex indices saturate, costs are single"
+)]
+pub(super) fn earlier_marks(scan: &Scan) -> Option<Earlier> {
     let values = |name: &str| -> Option<Vec<f64>> {
         let channel = scan.vertices.channel(name)?;
         (0..scan.vertices.rows)
@@ -98,15 +148,12 @@ pub(super) fn earlier_marks(scan: &Scan) -> Option<(Vec<u8>, Vec<i32>)> {
     if !marks.iter().all(is_mark) {
         return None;
     }
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "vertex indices, saturating"
-    )]
-    let sources = sources.iter().map(|source| *source as i32).collect();
-    Some((
-        marks.iter().map(|mark| u8::from(*mark > 0.5)).collect(),
-        sources,
-    ))
+    let costs = values(COST).unwrap_or_else(|| vec![f64::NAN; marks.len()]);
+    Some(Earlier {
+        completed: marks.iter().map(|mark| u8::from(*mark > 0.5)).collect(),
+        sources: sources.iter().map(|source| *source as i32).collect(),
+        costs: costs.iter().map(|cost| *cost as f32).collect(),
+    })
 }
 
 /// Keeps channels that happen to have the names of ours under other names, unless they are ours.
@@ -114,7 +161,7 @@ fn rename_foreign_channels(scan: &mut Scan) {
     if earlier_marks(scan).is_some() {
         return;
     }
-    for own in [COMPLETED, HEIGHT, SOURCE] {
+    for own in [COMPLETED, HEIGHT, SOURCE, COST] {
         let mut name = own.to_owned();
         while scan.vertices.channel(&name).is_some() {
             name = format!("input_{name}");

@@ -62,7 +62,10 @@ pub const COLOR_TOLERANCE: u8 = 8;
 
 impl Paint {
     /// For each vertex whether it is painted.
-    fn vertices(&self, scan: &Scan) -> Result<Vec<bool>, CompletionError> {
+    ///
+    /// # Errors
+    /// [`CompletionError`] if the scan has no such channel, or no colours, or nothing is painted.
+    pub fn vertices(&self, scan: &Scan) -> Result<Vec<bool>, CompletionError> {
         let rows = 0..scan.vertices.rows;
         let painted: Vec<bool> = match self {
             Self::Channel(name) | Self::Value(name, _) => {

@@ -18,7 +18,7 @@ use crate::sampling::{Gap, Spanned};
 use super::noted::RememberedFreeForm;
 use super::patch::{NumberedGap, Patch, Planned, joint_triangles};
 use super::surroundings::{Part, around};
-use super::{Clock, CompleteParams, FreeFormReport, Input, SkippedHole, Work, index};
+use super::{Clock, CompleteParams, FreeFormReport, Input, Progress, SkippedHole, Work, index};
 
 /// A hole's fill is bent and evened out by turns this many times: the first turn does most.
 const BENDINGS: usize = 3;
@@ -90,6 +90,7 @@ fn try_to_complete(
     work: &mut Work,
     clock: &mut Clock,
 ) -> Result<FreeFormDone, Undetermined> {
+    clock.begin("form");
     let choice = match params.form_wavelength {
         Some(_) => None,
         None => Some(choice(input, gaps)?),
@@ -102,7 +103,13 @@ fn try_to_complete(
     let mut spanned: Vec<(NumberedGap, Spanned)> = Vec::new();
     // Loops that are filled around already, as islands of an earlier gap.
     let mut taken: Vec<usize> = Vec::new();
-    for mut gap in gaps.iter().map(|gap| part.gap(gap)) {
+    for (number, gap) in gaps.iter().enumerate() {
+        (clock.progress)(Progress {
+            stage: "targets",
+            done: number,
+            total: gaps.len(),
+        });
+        let mut gap = part.gap(gap);
         if taken.contains(&gap.rim_ids[0]) {
             continue;
         }
@@ -120,6 +127,7 @@ fn try_to_complete(
         }
     }
     clock.end("targets");
+    clock.begin("form");
     let relief = joint_relief(&part.input, &smooth, &mut spanned, wavelength)?;
     let planned = plan(
         &part.input,

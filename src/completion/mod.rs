@@ -26,7 +26,7 @@ mod smooth_part;
 mod suited;
 mod surroundings;
 
-pub use assemble::{COMPLETED, HEIGHT, SOURCE};
+pub use assemble::{COMPLETED, COST, HEIGHT, SOURCE};
 pub use choice::{COLOR_TOLERANCE, HoleChoice, HoleLimits, Paint};
 pub use error::CompletionError;
 pub use noted::{
@@ -57,8 +57,8 @@ use patch::{Added as AddedGap, NumberedGap, Patch};
 /// A completed scan.
 #[derive(Debug, Clone)]
 pub struct Completion {
-    /// The scan with the completed part appended and the channels [`COMPLETED`], [`HEIGHT`] and
-    /// [`SOURCE`].
+    /// The scan with the completed part appended and the channels [`COMPLETED`], [`HEIGHT`],
+    /// [`SOURCE`] and [`COST`].
     pub scan: Scan,
     /// What was done.
     pub report: CompletionReport,
@@ -122,6 +122,7 @@ pub fn complete(
         (None, Some(free_form)) => free_form.heights.clone(),
         (None, None) => vec![f64::NAN; input.mesh.positions.len()],
     };
+    clock.begin("assemble");
     let mut scan = assemble(scan, &input, heights, &work, &origin);
     let base = base_fits.then(|| RememberedBase {
         surface: fit.base.translated(origin),
@@ -216,6 +217,7 @@ fn prepare(
     params: &CompleteParams,
     clock: &mut Clock,
 ) -> Result<(Input, FitReport, Vector3<f64>), CompletionError> {
+    clock.begin("loops");
     let (mesh, origin) = scan.mesh().centered();
     if mesh.triangles.is_empty() {
         return Err(CompletionError::NoFaces);
@@ -223,6 +225,7 @@ fn prepare(
     let adjacency = Adjacency::new(&mesh);
     let loops = boundary_loops(&mesh, &adjacency);
     clock.end("loops");
+    clock.begin("fit");
     let mut scanned = scanned_vertices(scan, params);
     let strays = leave_out_strays(&mut scanned, &mesh, &adjacency, params);
     let fit = base::fit_part(
@@ -339,6 +342,15 @@ impl<'a> Clock<'a> {
         }
     }
 
+    /// Says what comes next and cannot tell how far it is.
+    fn begin(&mut self, stage: &'static str) {
+        (self.progress)(Progress {
+            stage,
+            done: 0,
+            total: 0,
+        });
+    }
+
     /// Ends a stage; one that comes again adds up.
     fn end(&mut self, stage: &'static str) {
         let seconds = self.since.elapsed().as_secs_f64();
@@ -355,7 +367,9 @@ impl<'a> Clock<'a> {
 /// bootstrapping.
 fn scanned_vertices(scan: &Scan, params: &CompleteParams) -> Vec<bool> {
     match earlier_marks(scan) {
-        Some((marks, _)) if !params.bootstrap => marks.iter().map(|mark| *mark == 0).collect(),
+        Some(earlier) if !params.bootstrap => {
+            earlier.completed.iter().map(|mark| *mark == 0).collect()
+        }
         _ => vec![true; scan.vertices.rows],
     }
 }

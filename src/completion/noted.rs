@@ -82,8 +82,8 @@ pub fn noted_relief(scan: &Scan, mesh: &TriMesh, origin: &Vector3<f64>) -> Optio
         return Some((relief::extract(mesh, &surface.translated(-origin)), reach));
     }
     let RememberedFreeForm { form, reach } = remembered_free_form(scan)?;
-    let (marks, _) = earlier_marks(scan)?;
-    let completed: Vec<bool> = marks.iter().map(|mark| *mark > 0).collect();
+    let earlier = earlier_marks(scan)?;
+    let completed: Vec<bool> = earlier.completed.iter().map(|mark| *mark > 0).collect();
     let smooth = form_of(mesh, &completed, form.wavelength)?;
     Some((relief::over_form(mesh, smooth), reach))
 }

@@ -63,6 +63,7 @@ pub(super) struct Added {
     pub(super) heights: Vec<f64>,
     pub(super) colors: Option<Vec<[f64; 3]>>,
     pub(super) sources: Vec<u32>,
+    pub(super) costs: Vec<f64>,
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) report: FilledHole,
 }
@@ -182,6 +183,7 @@ impl Patch {
         work: &mut Work,
         clock: &mut Clock,
     ) {
+        clock.begin("targets");
         let planned = match self.form.primitive() {
             Some(base) => self.plan(base, input, gaps, work),
             None => Vec::new(),
@@ -244,6 +246,7 @@ impl Patch {
             settings,
             ..
         } = *run;
+        clock.begin("samples");
         let samples = self.samples(base, &input.mesh, &self.relief, input.colors.as_deref());
         if !self.own {
             work.samples = samples.len();
@@ -268,6 +271,7 @@ impl Patch {
         work: &mut Work,
         clock: &mut Clock,
     ) -> Result<Grown, String> {
+        clock.begin("parameters");
         let samples = self.sample_vertices(canvas.points.len());
         if !self.own || self.form.primitive().is_none() {
             let count = samples.iter().filter(|is| **is).count();
@@ -292,6 +296,7 @@ impl Patch {
         run.settings = settings;
         work.chosen.extend(chosen);
         clock.end("parameters");
+        clock.begin("samples");
         let params = stencil_params(&run);
         let mut matcher = ByStencil::new(canvas, frames, surface, &samples, params)?;
         clock.end("samples");
@@ -300,6 +305,7 @@ impl Patch {
         let (blends, chosen) = blending(run.params, roughness(canvas, &samples));
         work.chosen.push(chosen);
         if blends {
+            clock.begin("blend");
             blend(canvas, |canvas, v, n| {
                 matcher.continued_height(canvas, v, n)
             });
@@ -462,6 +468,7 @@ impl Patch {
             heights: canvas.relief.heights[vertices.clone()].to_vec(),
             colors: (canvas.colors.as_ref()).map(|colors| colors[vertices].to_vec()),
             sources: grown.sources[gap.targets].to_vec(),
+            costs: matched.clone().collect(),
             report: FilledHole {
                 loops: gap.loops,
                 vertices: costs.len(),

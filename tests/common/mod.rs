@@ -7,7 +7,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use nalgebra::Point3;
-use relievo::completion::{COMPLETED, CompleteParams, Completion, HEIGHT, SOURCE, complete};
+use relievo::completion::{COMPLETED, COST, CompleteParams, Completion, HEIGHT, SOURCE, complete};
 use relievo::mesh::{Adjacency, BoundaryLoop, Csr, TriMesh, boundary_loops, check};
 use relievo::scan::{Channel, Column, Scan, Table};
 use relievo::synth::{Kind, Part, SynthParams, scan as synthesize};
@@ -193,17 +193,25 @@ fn assert_added_channels(after: &Scan, originals: usize) {
     assert!(matches!(heights, Some(Column::F32(_))), "height is float");
     let sources = after.vertices.column(SOURCE);
     assert!(matches!(sources, Some(Column::I32(_))), "source is int");
+    let costs = after.vertices.column(COST);
+    assert!(matches!(costs, Some(Column::F32(_))), "cost is float");
     let (completed, sources) = (values(after, COMPLETED), values(after, SOURCE));
+    let costs = values(after, COST);
     for row in 0..after.vertices.rows {
         let (mark, source) = (completed[row], sources[row]);
         if row < originals {
             assert!(
-                mark < 0.5 && source < -0.5,
+                mark < 0.5 && source < -0.5 && costs[row].is_nan(),
                 "vertex {row}: {mark}, {source}"
             );
         } else {
             let known = source >= 0.0 && source < originals as f64;
             assert!(mark > 0.5 && known, "vertex {row}: {mark}, {source}");
+            assert!(
+                (0.0..=1.0).contains(&costs[row]),
+                "vertex {row}: {}",
+                costs[row]
+            );
         }
     }
 }
@@ -219,13 +227,13 @@ pub(crate) fn real(name: &str) -> Option<Scan> {
                 .expect("the file can be read"),
         );
     }
-    // Written past the test harness, which would hide it.
-    let _ = writeln!(
-        std::io::stderr(),
-        "SKIPPED: {} is not there",
-        path.display()
-    );
+    say_skipped(&format!("{} is not there", path.display()));
     None
+}
+
+/// Says that a test is skipped, past the test harness, which would hide it.
+pub(crate) fn say_skipped(why: &str) {
+    let _ = writeln!(std::io::stderr(), "SKIPPED: {why}");
 }
 
 /// Completes all that is chosen, and checks what holds for every completion.
