@@ -21,6 +21,7 @@
 //! | [`stats`] | completed scan → original against completed part in figures; height map → areal parameters | Table 1, Fig. 13; ISO 25178-2 |
 //! | [`evaluation`] | scan → holes cut, completed, and judged by the surface's own variation | |
 //! | [`picture`] | scan and its channels → picture, drawn on the processor; computes no figures | |
+//! | [`report`] | results → a page to look at: tables, plots, the scan in three dimensions | |
 //! | [`synth`] | parameters → synthetic scans with known truth | Fig. 8–12 |
 //!
 //! Units: lengths are absolute, in the scan's own (unknown) unit, `f64`; angles are radians;
@@ -42,4 +43,5 @@ pub mod completion;
 pub mod stats;
 pub mod evaluation;
 pub mod picture;
+pub mod report;
 pub mod synth;

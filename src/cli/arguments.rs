@@ -139,6 +139,15 @@ pub(super) fn paint(text: &str) -> Result<Paint, String> {
     }
 }
 
+/// A paint as it is given.
+pub(super) fn paint_in_words(paint: &Paint) -> String {
+    match paint {
+        Paint::Channel(name) => name.clone(),
+        Paint::Value(name, value) => format!("{name}={value}"),
+        Paint::Color([r, g, b]) => format!("#{r:02x}{g:02x}{b:02x}"),
+    }
+}
+
 pub(super) fn holes(text: &str) -> Result<HoleChoice, String> {
     Ok(match text {
         "interior" => HoleChoice::Interior,

@@ -1,22 +1,25 @@
 //! `relievo complete`
 
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use relievo::base::{BaseChoice, FitParams};
 use relievo::completion::{
     self, CompleteParams, CompletionError, CompletionReport, HoleChoice, HoleLimits, Method, Paint,
 };
+use relievo::report::{self, Completed};
 use relievo::sampling::SpacingRule;
-use relievo::scan::{self, OutputFile, WriteOptions};
-use relievo::stats;
+use relievo::scan::{self, OutputFile, Scan, WriteOptions};
+use relievo::stats::{self, Comparison, MeasureParams};
 use serde_json::{Map, Value, json};
 
+use super::comparison::{Compared, PIECES, of_completed};
 use super::left_open::left_open;
 use super::messages::Bar;
 use super::outcome::{Failure, Reply};
 use super::reading::{Input, Preparation};
+use super::report::PageOption;
 use super::{Common, arguments};
 
 #[derive(Debug, Args)]
@@ -51,6 +54,8 @@ pub(super) struct Arguments {
     extend: bool,
     #[command(flatten)]
     pub(super) how: How,
+    #[command(flatten)]
+    page: PageOption,
     /// Write PLY as text
     #[arg(long)]
     ascii: bool,
@@ -236,8 +241,12 @@ fn work(
     })?;
     let format = arguments::output_format(&arguments.output)?;
     let protected = (!arguments.overwrite).then_some(arguments.input.path.as_path());
+    let inputs: Vec<&Path> = arguments.input.files().collect();
+    let page = arguments
+        .page
+        .open(&inputs, &[("-o", Some(&arguments.output))], common)?;
     let mut output = OutputFile::create(&arguments.output, protected)?;
-    let surface = arguments.prepare.surface(&arguments.input, common, known)?;
+    let (surface, prepared) = (arguments.prepare).told_surface(&arguments.input, common, known)?;
     let mut bar = Bar::new(common);
     let completed = completion::complete(&surface.scan, params, &mut |progress| bar.show(progress));
     drop(bar);
@@ -257,18 +266,31 @@ fn work(
     };
     let name = output.name().to_owned();
     let finished = surface.restore(completion.scan);
+    let bar = Bar::doing(common, "writing");
     scan::write_to(&finished, &mut output, format, &options, &name)?;
     output.commit()?;
+    drop(bar);
     // After the scan is safe: they take time and memory of their own.
-    // On free form they would take another solve as long as all the rest: `relievo stats` has them.
-    if report.base_fits {
-        match stats::compare(&finished) {
-            Ok(comparison) => {
-                known.insert("statistics".into(), json!(comparison));
-            }
-            // A fill without new vertices has nothing to compare.
-            Err(error) => log::info!("no statistics: {error}"),
+    let judged = page.as_ref().and_then(|_| judged(&finished, common));
+    match &judged {
+        Some(judged) => {
+            known.insert("statistics".into(), json!(judged.comparison));
+            known.insert("natural".into(), json!(judged.natural.as_ref().ok()));
+            known.insert("verdict".into(), json!(judged.verdict));
         }
+        None => known.extend(
+            comparison(report, &finished).map(|figures| ("statistics".into(), json!(figures))),
+        ),
+    }
+    if let Some(page) = page {
+        page.write(&report::completed(&Completed {
+            input: &arguments.input.name(),
+            prepared: &prepared,
+            params,
+            scan: &finished,
+            report,
+            compared: judged.as_ref().map(Compared::parts),
+        }))?;
     }
     tell(report, common);
     Ok(Reply {
@@ -276,6 +298,25 @@ fn work(
         json: std::mem::take(known),
         text: String::new(),
     })
+}
+
+/// The completed part in figures. On free form they would take another solve as long as all the rest:
+/// `relievo stats` has them.
+fn comparison(report: &CompletionReport, finished: &Scan) -> Option<Comparison> {
+    if !report.base_fits {
+        return None;
+    }
+    // A fill without new vertices has nothing to compare.
+    stats::compare(finished)
+        .inspect_err(|error| log::info!("no statistics: {error}"))
+        .ok()
+}
+
+/// The same with scores, for the page.
+fn judged(finished: &Scan, common: &Common) -> Option<Compared> {
+    of_completed(finished, &MeasureParams::default(), PIECES, common)
+        .inspect_err(|error| log::info!("no statistics: {error}"))
+        .ok()
 }
 
 fn failed(error: CompletionError, arguments: &Arguments) -> Failure {

@@ -5,16 +5,16 @@ use std::fmt::Write;
 use clap::{Args, ValueEnum};
 use relievo::completion::CompletionError;
 use relievo::evaluation::{
-    self, Evaluation, EvaluationError, EvaluationParams, FillKind, HeightsOver, Repeat, Summary,
+    self, Evaluation, EvaluationError, EvaluationParams, FillKind, HeightsOver, Repeat,
 };
-use relievo::likeness::FigureScore;
+use relievo::likeness::Judgement;
 use serde_json::{Map, Value, json};
 
-use super::Common;
 use super::complete::How;
 use super::messages::Bar;
 use super::outcome::{Failure, Reply};
 use super::reading::{Input, Preparation};
+use super::{Common, scores};
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
@@ -116,22 +116,8 @@ fn failed(error: EvaluationError, arguments: &Arguments) -> Failure {
 
 /// A table for people, and what it means in words.
 fn told(evaluation: &Evaluation) -> String {
-    let mut text = format!(
-        "{:<24} {:>9} {:>9} {:>11}\n",
-        "score (1 = natural)", "median", "worst", "outside"
-    );
-    let mut row = |name: &str, scores: &Summary| {
-        let outside = format!("{} of {}", scores.outside, scores.holes);
-        let _ = writeln!(
-            text,
-            "{name:<24} {:>9.2} {:>9.2} {outside:>11}",
-            scores.median, scores.worst
-        );
-    };
-    for measure in &evaluation.measures {
-        row(measure.measure.name(), &measure.scores);
-    }
-    row("all together", &evaluation.overall);
+    let mut text = String::new();
+    scores::table(&mut text, &evaluation.measures, &evaluation.overall);
     text.push('\n');
     figures(&mut text, &evaluation.repeats);
     text.push('\n');
@@ -182,13 +168,8 @@ fn figures(text: &mut String, repeats: &[Repeat]) {
 }
 
 fn in_words(text: &mut String, evaluation: &Evaluation) {
-    let outside: Vec<String> = (evaluation.measures.iter())
-        .filter(|m| m.scores.outside > 0)
-        .map(|m| {
-            let worst = worst_figures(&evaluation.repeats, m.measure);
-            format!("{} ({worst})", m.measure.name())
-        })
-        .collect();
+    let judgements: Vec<&Judgement> = evaluation.repeats.iter().map(|r| &r.judgement).collect();
+    let outside = scores::outside(&evaluation.measures, &judgements);
     let _ = if outside.is_empty() {
         writeln!(
             text,
@@ -197,8 +178,7 @@ fn in_words(text: &mut String, evaluation: &Evaluation) {
     } else {
         writeln!(
             text,
-            "Outside of this surface's natural variation: {}.",
-            outside.join("; ")
+            "Outside of this surface's natural variation: {outside}."
         )
     };
     let copies = || evaluation.repeats.iter().filter_map(|r| r.copies);
@@ -223,29 +203,4 @@ fn in_words(text: &mut String, evaluation: &Evaluation) {
     for reason in &evaluation.failed {
         let _ = writeln!(text, "A hole was left open: {reason}.");
     }
-}
-
-/// The figures of a measure that are outside in some hole, with the worst score of each, worst first.
-fn worst_figures(repeats: &[Repeat], measure: relievo::likeness::Measure) -> String {
-    let mut worst: Vec<(String, f64)> = Vec::new();
-    let outside = |f: &&FigureScore| f.score.is_some_and(|score| score.score > 1.0);
-    for found in (repeats.iter())
-        .flat_map(|r| &r.judgement.figures)
-        .filter(|f| f.figure.measure == measure)
-        .filter(outside)
-    {
-        let score = found.score.map_or(0.0, |score| score.score);
-        match worst
-            .iter_mut()
-            .find(|(name, _)| *name == found.figure.name)
-        {
-            Some((_, known)) => *known = known.max(score),
-            None => worst.push((found.figure.name.clone(), score)),
-        }
-    }
-    worst.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-    let told: Vec<String> = (worst.iter().take(4))
-        .map(|(name, score)| format!("{name} {score:.1}"))
-        .collect();
-    told.join(", ")
 }

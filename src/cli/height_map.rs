@@ -11,15 +11,34 @@ use relievo::stats::areal::{
 };
 use serde_json::{Map, Value, json};
 
+use super::Common;
+use super::comparison::{Measuring, csv_of, deliver_csv};
+use super::messages::Bar;
 use super::outcome::{Failure, Reply};
 use super::reading::Input;
+
+/// Options that say nothing of a height map.
+const OF_SCANS: [&str; 12] = [
+    "columns",
+    "intrinsics",
+    "color_image",
+    "join",
+    "gap",
+    "keep_outliers",
+    "no_repair",
+    "base",
+    "form_wavelength",
+    "pieces",
+    "whole",
+    "report",
+];
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Height maps")]
 pub(super) struct Options {
     /// The input is a height map, text with the first row on top: distance of its columns and of its rows
     /// [default for DY: DX]
-    #[arg(long, value_name = "DX[,DY]", value_parser = steps, allow_hyphen_values = true)]
+    #[arg(long, value_name = "DX[,DY]", value_parser = steps, allow_hyphen_values = true, conflicts_with_all = OF_SCANS)]
     step: Option<[f64; 2]>,
     /// Name of the map's unit of length, for the table
     #[arg(long, value_name = "NAME", requires = "step")]
@@ -27,13 +46,6 @@ pub(super) struct Options {
     /// What counts as form and is taken away: none, mean, plane, poly2 or poly3 (least squares)
     #[arg(long, value_name = "FORM", default_value = "plane", value_parser = form, requires = "step")]
     form: FormOperation,
-    /// Take waves shorter than this away (areal Gaussian filter of ISO 16610-61; half of a wave of this length
-    /// is kept)
-    #[arg(long, value_name = "LENGTH", value_parser = length, requires = "step", allow_hyphen_values = true)]
-    s_filter: Option<f64>,
-    /// Take waves longer than this away
-    #[arg(long, value_name = "LENGTH", value_parser = length, requires = "step", allow_hyphen_values = true)]
-    l_filter: Option<f64>,
     /// Slopes for Sdq: differences of neighbours, or the standard's stencil over seven heights
     #[arg(long, value_name = "differences|stencil", default_value = "differences", value_parser = slopes, requires = "step")]
     slopes: SlopeRule,
@@ -42,18 +54,24 @@ pub(super) struct Options {
         long,
         value_name = "HEIGHT",
         requires = "step",
-        allow_negative_numbers = true
+        value_parser = height,
+        allow_hyphen_values = true
     )]
     smr: Option<f64>,
 }
 
-/// The parameters of a height map, if it is said that the input is one.
-pub(super) fn run(options: &Options, input: &Input) -> Option<super::Result> {
+/// The parameters of a height map; `None` if it is not said that the input is one.
+pub(super) fn run(
+    options: &Options,
+    measuring: &Measuring,
+    input: &Input,
+    common: &Common,
+) -> Option<super::Result> {
     let step = options.step?;
     Some(
         read_height_map(&input.path, step)
             .map_err(Failure::from)
-            .and_then(|map| reply(options, &map, &input.name())),
+            .and_then(|map| reply(options, measuring, &map, input, common)),
     )
 }
 
@@ -70,11 +88,19 @@ pub(super) fn hinted(mut failure: Failure, input: &Input) -> Failure {
     failure
 }
 
-fn reply(options: &Options, map: &HeightMap, name: &str) -> super::Result {
+fn reply(
+    options: &Options,
+    measuring: &Measuring,
+    map: &HeightMap,
+    input: &Input,
+    common: &Common,
+) -> super::Result {
+    let csv = measuring.csv(&input.files().collect::<Vec<_>>(), common)?;
+    let name = input.name();
     let params = SurfaceParams {
         form: options.form,
-        s_filter: options.s_filter,
-        l_filter: options.l_filter,
+        s_filter: measuring.s_filter,
+        l_filter: measuring.l_filter,
     };
     let finest = 2.0 * map.dx.min(map.dy);
     for (option, cutoff) in [
@@ -87,7 +113,8 @@ fn reply(options: &Options, map: &HeightMap, name: &str) -> super::Result {
             );
         }
     }
-    let surface = scale_limited_surface(map, &params).with_context(|| name.to_owned())?;
+    let bar = Bar::doing(common, "areal parameters");
+    let surface = scale_limited_surface(map, &params).with_context(|| name.clone())?;
     let (Some(areal), Some(curve)) = (
         ArealParameters::of_map(&surface, options.slopes),
         MaterialRatioCurve::of_map(&surface),
@@ -95,6 +122,7 @@ fn reply(options: &Options, map: &HeightMap, name: &str) -> super::Result {
         // A surface that was made has heights.
         return Err(Failure::from(anyhow::anyhow!("{name} has no heights")));
     };
+    drop(bar);
     let mut members = match json!(areal) {
         Value::Object(members) => members,
         _ => Map::new(),
@@ -108,8 +136,8 @@ fn reply(options: &Options, map: &HeightMap, name: &str) -> super::Result {
     let json = [
         ("areal", Value::Object(members)),
         ("form", json!(options.form)),
-        ("s_filter", json!(options.s_filter)),
-        ("l_filter", json!(options.l_filter)),
+        ("s_filter", json!(params.s_filter)),
+        ("l_filter", json!(params.l_filter)),
         ("slopes", json!(options.slopes)),
         ("smr_height", json!(options.smr)),
         ("columns", json!(map.columns)),
@@ -118,8 +146,17 @@ fn reply(options: &Options, map: &HeightMap, name: &str) -> super::Result {
         ("step", json!([map.dx, map.dy])),
         ("unit", json!(options.unit)),
     ];
+    let mut rows: Vec<(&str, &str, Option<f64>)> = (areal.rows().iter())
+        .map(|row| (row.name, unit_of(row, options), row.value))
+        .collect();
+    rows.extend(smr.map(|(_, ratio)| ("Smr", "%", Some(ratio))));
+    let to_stdout = deliver_csv(csv, &csv_of(&rows))?;
     Ok(Reply {
-        text: table(options, map, &areal, smr),
+        text: if to_stdout {
+            String::new()
+        } else {
+            table(options, &params, map, &areal, smr)
+        },
         json: json
             .into_iter()
             .map(|(key, value)| (key.to_owned(), value))
@@ -130,6 +167,7 @@ fn reply(options: &Options, map: &HeightMap, name: &str) -> super::Result {
 
 fn table(
     options: &Options,
+    params: &SurfaceParams,
     map: &HeightMap,
     areal: &ArealParameters,
     smr: Option<(f64, f64)>,
@@ -147,9 +185,9 @@ fn table(
         map.columns,
         map.rows,
         map.missing(),
-        name_of(options.form),
-        filter("S", options.s_filter),
-        filter("L", options.l_filter),
+        name_of(params.form),
+        filter("S", params.s_filter),
+        filter("L", params.l_filter),
     );
     for row in areal.rows() {
         line(&mut text, &row, unit, row.meaning);
@@ -173,6 +211,7 @@ fn line(text: &mut String, row: &Row, unit: &str, meaning: &str) {
         ParameterUnit::Height | ParameterUnit::Length => unit.to_owned(),
         ParameterUnit::VolumeOverArea if unit.is_empty() => String::new(),
         ParameterUnit::VolumeOverArea => format!("{unit}\u{b3}/{unit}\u{b2}"),
+        ParameterUnit::Area => format!("{unit}\u{b2}"),
         ParameterUnit::Percent => "%".to_owned(),
         ParameterUnit::Degrees => "\u{b0}".to_owned(),
         ParameterUnit::One => String::new(),
@@ -180,8 +219,22 @@ fn line(text: &mut String, row: &Row, unit: &str, meaning: &str) {
     let _ = writeln!(text, "{:<5}{value:>14} {unit:<10} {meaning}", row.name);
 }
 
+/// The unit's name for a table that other programs read.
+fn unit_of<'a>(row: &Row, options: &'a Options) -> &'a str {
+    match row.unit {
+        ParameterUnit::Height | ParameterUnit::Length | ParameterUnit::VolumeOverArea => {
+            options.unit.as_deref().unwrap_or("unit")
+        }
+        // No parameter of a map is an area.
+        ParameterUnit::Area => "unit^2",
+        ParameterUnit::Percent => "%",
+        ParameterUnit::Degrees => "degrees",
+        ParameterUnit::One => "1",
+    }
+}
+
 /// Six digits, whatever the size.
-fn in_digits(value: f64) -> String {
+pub(super) fn in_digits(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 {
         "0".to_owned()
@@ -218,6 +271,13 @@ fn length(text: &str) -> Result<f64, String> {
     length
         .filter(|length: &f64| *length > 0.0 && length.is_finite())
         .ok_or_else(|| "expected a length above 0".to_owned())
+}
+
+fn height(text: &str) -> Result<f64, String> {
+    let height = text.trim().parse().ok();
+    height
+        .filter(|height: &f64| height.is_finite())
+        .ok_or_else(|| "expected a height".to_owned())
 }
 
 fn form(text: &str) -> Result<FormOperation, String> {
@@ -264,6 +324,14 @@ mod tests {
         assert_eq!(steps("0.5, 2"), Ok([0.5, 2.0]));
         for text in ["", "0", "-1", "1,2,3", "1,x", "inf", "nan", "1,"] {
             assert!(steps(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn heights_are_finite() {
+        assert_eq!(height("-0.5"), Ok(-0.5));
+        for text in ["", "nan", "inf", "-inf", "x"] {
+            assert!(height(text).is_err(), "{text}");
         }
     }
 }

@@ -3,6 +3,8 @@
 //! stdout carries results only; messages, bars and errors go to stderr.
 
 mod arguments;
+mod compare;
+mod comparison;
 mod complete;
 mod convert;
 mod evaluate;
@@ -16,11 +18,13 @@ mod messages;
 mod outcome;
 mod reading;
 mod render;
+mod report;
+mod scores;
 mod stats;
 mod synth;
 
 use std::ffi::OsString;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
@@ -53,7 +57,7 @@ struct Common {
     threads: Option<u16>,
     /// Write the results as JSON to FILE, or to standard output (-); also on failure
     #[arg(long, global = true, value_name = "FILE|-")]
-    json: Option<std::path::PathBuf>,
+    json: Option<PathBuf>,
     /// Print errors only
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     quiet: bool,
@@ -64,6 +68,8 @@ struct Common {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Compare two scans, or two parts of one, in figures and in units of natural variation
+    Compare(compare::Arguments),
     /// Complete the missing parts of a scan
     Complete(complete::Arguments),
     /// Write a scan in another format
@@ -108,12 +114,18 @@ pub(crate) fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
             log::warn!("--threads: {error}");
         }
     }
-    let (name, input, output) = cli.command.files();
-    let report = match outcome::Report::open(common.json.as_deref(), input, output) {
+    let Files {
+        command: name,
+        inputs,
+        output,
+    } = cli.command.files();
+    let input = inputs.first().copied();
+    let report = match outcome::Report::open(common.json.as_deref(), &inputs, output) {
         Ok(report) => report,
         Err(failure) => return Outcome::of(name, input, Err(failure)).deliver(None),
     };
     let reply = match &cli.command {
+        Command::Compare(arguments) => compare::run(arguments, &common),
         Command::Complete(arguments) => complete::run(arguments, &common),
         Command::Convert(arguments) => convert::run(arguments, &common),
         Command::Evaluate(arguments) => evaluate::run(arguments, &common),
@@ -127,19 +139,37 @@ pub(crate) fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     Outcome::of(name, input, reply).deliver(report)
 }
 
+/// What a subcommand is called, reads and writes.
+struct Files<'a> {
+    command: &'static str,
+    /// The scan first.
+    inputs: Vec<&'a Path>,
+    /// What -o names.
+    output: Option<&'a Path>,
+}
+
 impl Command {
-    /// Its name, its input and its output.
-    fn files(&self) -> (&'static str, Option<&Path>, Option<&Path>) {
-        match self {
-            Self::Complete(a) => ("complete", Some(&a.input.path), Some(&a.output)),
-            Self::Convert(a) => ("convert", Some(&a.input.path), Some(&a.output)),
-            Self::Evaluate(a) => ("evaluate", Some(&a.input.path), None),
-            Self::Fit(a) => ("fit", Some(&a.input.path), None),
-            Self::Holes(a) => ("holes", Some(&a.input.path), None),
-            Self::Info(a) => ("info", Some(&a.input.path), None),
-            Self::Render(a) => ("render", Some(&a.input.path), Some(&a.output)),
-            Self::Stats(a) => ("stats", Some(&a.input.path), None),
+    fn files(&self) -> Files<'_> {
+        let (command, input, output) = match self {
+            Self::Compare(a) => ("compare", Some(&a.input), None),
+            Self::Complete(a) => ("complete", Some(&a.input), Some(&a.output)),
+            Self::Convert(a) => ("convert", Some(&a.input), Some(&a.output)),
+            Self::Evaluate(a) => ("evaluate", Some(&a.input), None),
+            Self::Fit(a) => ("fit", Some(&a.input), None),
+            Self::Holes(a) => ("holes", Some(&a.input), None),
+            Self::Info(a) => ("info", Some(&a.input), None),
+            Self::Render(a) => ("render", Some(&a.input), Some(&a.output)),
+            Self::Stats(a) => ("stats", Some(&a.input), None),
             Self::Synth(a) => ("synth", None, Some(&a.output)),
+        };
+        let mut inputs: Vec<&Path> = input.into_iter().flat_map(reading::Input::files).collect();
+        if let Self::Compare(a) = self {
+            inputs.extend(a.other.as_deref());
+        }
+        Files {
+            command,
+            inputs,
+            output: output.map(PathBuf::as_path),
         }
     }
 }

@@ -5,7 +5,7 @@ use std::io::{ErrorKind, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-use relievo::scan::{OutputFile, ScanError};
+use relievo::scan::{OutputFile, ScanError, same_file};
 use serde_json::{Map, Value, json};
 
 /// A subcommand's result.
@@ -121,53 +121,68 @@ fn in_one_sentence(error: &anyhow::Error) -> String {
 
 /// Where the JSON goes: opened before the work, so that a folder that is missing is noticed then.
 #[derive(Debug)]
-pub(super) struct Report {
-    output: OutputFile,
-    stdout: bool,
-}
+pub(super) struct Report(OutputFile);
 
 impl Report {
-    /// Opens the report if one is asked for; it may be neither the input nor the output.
+    /// Opens the report if one is asked for; it may be neither an input nor the output.
     pub(super) fn open(
         path: Option<&Path>,
-        input: Option<&Path>,
+        inputs: &[&Path],
         output: Option<&Path>,
     ) -> Result<Option<Self>, Failure> {
-        let Some(path) = path else {
-            return Ok(None);
-        };
-        let stdout = path == Path::new("-");
-        if output.is_some_and(|output| same_place(output, path)) {
-            let path = path.display();
-            return Err(Failure::usage(format!(
-                "-o {path} and --json {path} cannot both go there: give one of them another name"
-            )));
-        }
-        match OutputFile::create(path, input.filter(|_| !stdout)) {
-            Ok(output) => Ok(Some(Self { output, stdout })),
-            Err(error) => Err(Failure {
-                usage: matches!(error, ScanError::WouldOverwrite { .. }),
-                ..error.into()
-            }),
-        }
+        let opened = |path| opened("--json", path, inputs, &[("-o", output)]);
+        Ok(path.map(opened).transpose()?.map(Self))
     }
 
     fn is_stdout(&self) -> bool {
-        self.stdout
+        self.0.is_stdout()
     }
 
-    fn write(mut self, value: &Value) -> anyhow::Result<()> {
+    fn write(self, value: &Value) -> anyhow::Result<()> {
         let mut text = serde_json::to_string_pretty(value)?;
         text.push('\n');
-        match self.output.write_all(text.as_bytes()) {
-            Ok(()) => {}
-            Err(error) if error.kind() == ErrorKind::BrokenPipe => return Ok(()),
-            Err(error) => return Err(self.output.error(error).into()),
+        Ok(written(self.0, text.as_bytes())?)
+    }
+}
+
+/// Opens what an option writes beside the command's output, before the work, so that a folder that is missing is
+/// noticed then. It may be none of the inputs, by whatever name or link, nor where `others` (with their options)
+/// go.
+pub(super) fn opened(
+    option: &str,
+    path: &Path,
+    inputs: &[&Path],
+    others: &[(&str, Option<&Path>)],
+) -> Result<OutputFile, Failure> {
+    let shown = path.display();
+    for (other_option, other) in others {
+        if let Some(other) = other.filter(|other| same_place(other, path)) {
+            return Err(Failure::usage(format!(
+                "{other_option} {} and {option} {shown} cannot both go there: give one of them another name",
+                other.display()
+            )));
         }
-        match self.output.commit() {
-            Err(ScanError::ClosedPipe { .. }) => Ok(()),
-            result => Ok(result?),
-        }
+    }
+    // As an input - is something else than as an output.
+    let stream = Path::new("-");
+    let is_input = |input: &&Path| **input != *stream && same_place(input, path);
+    if path != stream && inputs.iter().any(is_input) {
+        return Err(Failure::usage(format!(
+            "{shown}: {option} would overwrite the input: give it another name"
+        )));
+    }
+    Ok(OutputFile::create(path, None)?)
+}
+
+/// Writes all of an output. Whoever stops reading a pipe has read what they want.
+pub(super) fn written(mut output: OutputFile, bytes: &[u8]) -> Result<(), ScanError> {
+    let result = match output.write_all(bytes) {
+        Ok(()) => output.commit(),
+        Err(error) => Err(output.error(error)),
+    };
+    match result {
+        Err(ScanError::ClosedPipe { .. }) => Ok(()),
+        result => result,
     }
 }
 
@@ -181,7 +196,7 @@ fn same_place(a: &Path, b: &Path) -> bool {
         let file = path.file_name().unwrap_or_default().to_owned();
         std::fs::canonicalize(path).or_else(|_| std::fs::canonicalize(folder).map(|f| f.join(file)))
     };
-    a == b || matches!((resolved(a), resolved(b)), (Ok(a), Ok(b)) if a == b)
+    a == b || same_file(a, b) || matches!((resolved(a), resolved(b)), (Ok(a), Ok(b)) if a == b)
 }
 
 /// Writes the JSON for a command line that could not be understood, if it asks for one. A file that
@@ -210,7 +225,7 @@ pub(super) fn report_usage_error(arguments: &[OsString], error: &clap::Error) {
         "status": "failed",
         "error": error.to_string().trim(),
     });
-    let report = Report::open(Some(Path::new(&path)), None, None);
+    let report = Report::open(Some(Path::new(&path)), &[], None);
     if let Ok(Some(report)) = report
         && let Err(error) = report.write(&value)
     {

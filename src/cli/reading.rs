@@ -9,6 +9,7 @@ use relievo::repair::{self, RepairParams, RepairReport, Repaired};
 use relievo::scan::{self, Intrinsics, ReadOptions, Scan};
 use serde_json::{Map, Value, json};
 
+use super::messages::Bar;
 use super::outcome::Failure;
 use super::{Common, arguments};
 
@@ -51,6 +52,22 @@ impl Input {
             color_image: self.color_image.clone(),
         };
         Ok(scan::read(&self.path, &options)?)
+    }
+
+    /// All files that are read: the scan first.
+    pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
+        [Some(&self.path), self.color_image.as_ref()]
+            .into_iter()
+            .flatten()
+            .map(PathBuf::as_path)
+    }
+
+    /// Another file, read in the same way.
+    pub(super) fn with_path(&self, path: &Path) -> Self {
+        Self {
+            path: path.to_owned(),
+            ..self.clone()
+        }
     }
 
     /// The file's name in messages.
@@ -114,26 +131,46 @@ impl Preparation {
         common: &Common,
         known: &mut Map<String, Value>,
     ) -> Result<Repaired, Failure> {
+        Ok(self.told_surface(input, common, known)?.0)
+    }
+
+    /// The same, with what was done in sentences.
+    pub(super) fn told_surface(
+        &self,
+        input: &Input,
+        common: &Common,
+        known: &mut Map<String, Value>,
+    ) -> Result<(Repaired, Vec<String>), Failure> {
+        let mut told = Vec::new();
         let params = self.cloud_params(common.seed);
         params.check().map_err(|error| Failure {
             usage: true,
             ..error.into()
         })?;
+        let bar = Bar::doing(common, "reading");
         let mut scan = input.scan()?;
+        drop(bar);
         if scan.faces.is_empty() {
+            let bar = Bar::doing(common, "joining points");
             let joined = cloud::triangulate(&scan, &params).with_context(|| input.name())?;
-            log::warn!("{}: {}", input.name(), of_points(&joined.report));
+            drop(bar);
+            let what = of_points(&joined.report);
+            log::warn!("{}: {what}", input.name());
+            told.push(what);
             known.insert("cloud".into(), json!(joined.report));
             scan = joined.scan;
         }
         let steps = self.no_repair.unwrap_or_default();
+        let bar = Bar::doing(common, "repair");
         let repaired = repair::repair(scan, &steps);
+        drop(bar);
         known.insert("repair".into(), json!(repaired.report));
         for (what, step) in in_words(&repaired.report) {
             let otherwise = step.map_or(String::new(), |s| format!(" (not with --no-repair={s})"));
             log::warn!("{}: {what}{otherwise}", input.name());
+            told.push(what);
         }
-        Ok(repaired)
+        Ok((repaired, told))
     }
 }
 

@@ -141,6 +141,10 @@ fn work(
     params: &RenderParams,
     known: &mut Map<String, Value>,
 ) -> super::Result {
+    picture::check_built().map_err(|error| Failure {
+        usage: true,
+        ..error.into()
+    })?;
     params.check().map_err(|error| failed(error, None))?;
     check_extension(&arguments.output)?;
     let protected = (!arguments.overwrite).then_some(arguments.input.path.as_path());

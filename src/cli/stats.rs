@@ -1,14 +1,20 @@
 //! `relievo stats`
 
 use std::fmt::Write;
+use std::path::Path;
 
 use anyhow::Context;
 use clap::Args;
-use relievo::stats::{self, Comparison};
-use serde_json::{Map, Value, json};
+use relievo::report::View;
+use relievo::scan::OutputFile;
+use relievo::stats::{Measured, figures};
+use serde_json::{Map, json};
 
+use super::comparison::{Measuring, csv_of, deliver_csv, of_completed, titled, unit};
+use super::height_map::in_digits;
 use super::outcome::Reply;
 use super::reading::{Input, Preparation};
+use super::report::PageOption;
 use super::{Common, height_map};
 
 #[derive(Debug, Args)]
@@ -18,11 +24,19 @@ pub(super) struct Arguments {
     #[command(flatten)]
     prepare: Preparation,
     #[command(flatten)]
+    measuring: Measuring,
+    #[command(flatten)]
+    page: PageOption,
+    #[command(flatten)]
     map: height_map::Options,
+    /// Figures of the scan as a whole, completed or not, without comparing its parts
+    #[arg(long, conflicts_with_all = ["pieces", "step", "report"])]
+    whole: bool,
 }
 
 pub(super) fn run(arguments: &Arguments, common: &Common) -> super::Result {
-    if let Some(reply) = height_map::run(&arguments.map, &arguments.input) {
+    let (map, measuring) = (&arguments.map, &arguments.measuring);
+    if let Some(reply) = height_map::run(map, measuring, &arguments.input, common) {
         return reply;
     }
     parts(arguments, common).map_err(|failure| height_map::hinted(failure, &arguments.input))
@@ -31,53 +45,63 @@ pub(super) fn run(arguments: &Arguments, common: &Common) -> super::Result {
 /// The original against the completed part of a scan.
 fn parts(arguments: &Arguments, common: &Common) -> super::Result {
     let mut known = Map::new();
-    let surface = arguments
-        .prepare
-        .surface(&arguments.input, common, &mut known)?;
-    let comparison = stats::compare(&surface.scan).with_context(|| arguments.input.name())?;
-    let mut reply = Reply {
-        text: table(&comparison),
-        json: known,
-        ..Reply::default()
-    };
-    if let Value::Object(members) = json!(comparison) {
-        reply.json.extend(members);
+    arguments.measuring.check(common.seed)?;
+    let inputs: Vec<&Path> = arguments.input.files().collect();
+    let csv = (arguments.measuring).csv(&inputs, common)?;
+    let page = arguments.page.open(
+        &inputs,
+        &[("--csv", arguments.measuring.csv.as_deref())],
+        common,
+    )?;
+    let (surface, prepared) =
+        (arguments.prepare).told_surface(&arguments.input, common, &mut known)?;
+    let scan = &surface.scan;
+    let params = arguments.measuring.params(common.seed);
+    if arguments.whole {
+        let measured = Measured::new(scan, &params).with_context(|| arguments.input.name())?;
+        return whole(arguments, &measured, csv, known);
     }
-    Ok(reply)
+    let pieces = arguments.measuring.pieces;
+    let compared =
+        of_completed(scan, &params, pieces, common).with_context(|| arguments.input.name())?;
+    if let Some(page) = page {
+        let title = format!("{}, original against completed", arguments.input.name());
+        let views = View::of_scan(&arguments.input.name(), scan, Vec::new());
+        page.write(&arguments.measuring.page(
+            &title,
+            views.into_iter().collect(),
+            &compared,
+            &prepared,
+            common.seed,
+        ))?;
+    }
+    arguments.measuring.reply(&compared, csv, known)
 }
 
-fn table(comparison: &Comparison) -> String {
-    let (old, new) = (&comparison.original, &comparison.completed);
-    let mut text = format!(
-        "{:<24} {:>14} {:>14} {:>9}\n",
-        "", "original", "completed", "change"
-    );
-    let rows = [
-        ("base area", old.area, new.area),
-        ("mean integral", old.mean_integral, new.mean_integral),
-        ("mean height", old.mean_height, new.mean_height),
-        ("RMS roughness", old.rms_roughness, new.rms_roughness),
-    ];
-    for (name, old, new) in rows {
-        let change = if name == "mean integral" || name == "RMS roughness" {
-            let percent = 100.0 * (new / old - 1.0);
-            if percent.is_finite() {
-                format!("{percent:+.2} %")
-            } else {
-                "-".to_owned()
-            }
-        } else {
-            String::new()
-        };
-        let _ = writeln!(text, "{name:<24} {old:>14.6} {new:>14.6} {change:>9}");
+/// Figures of one surface.
+fn whole(
+    arguments: &Arguments,
+    measured: &Measured,
+    csv: Option<OutputFile>,
+    mut known: Map<String, serde_json::Value>,
+) -> super::Result {
+    let all = vec![true; measured.vertices()];
+    let part = figures(measured, &all).with_context(|| arguments.input.name())?;
+    known.insert("base".into(), json!(measured.base()));
+    known.insert("whole".into(), json!(part));
+    let rows = part.rows();
+    let mut text = String::new();
+    for row in &rows {
+        let value = row.value.map_or_else(|| "-".to_owned(), in_digits);
+        let _ = writeln!(text, "{:<38} {value:>12}", titled(row.name, row.meaning));
     }
-    for color in comparison.colors.iter().flatten() {
-        let _ = writeln!(
-            text,
-            "{:<24} {:>29.4}",
-            format!("{} histogram corr.", color.channel),
-            color.correlation
-        );
-    }
-    text
+    let rows: Vec<_> = (rows.iter())
+        .map(|row| (row.name, unit(row.unit), row.value))
+        .collect();
+    let to_stdout = deliver_csv(csv, &csv_of(&rows))?;
+    Ok(Reply {
+        text: if to_stdout { String::new() } else { text },
+        json: known,
+        ..Reply::default()
+    })
 }

@@ -124,6 +124,11 @@ impl Judged {
             .collect()
     }
 
+    /// By vertex: whether it is not of the hole's fill.
+    pub(super) fn originals(&self) -> Vec<bool> {
+        self.completed.iter().map(|completed| !completed).collect()
+    }
+
     /// By vertex: whether it was scanned and has a height.
     pub(super) fn known(&self) -> Vec<bool> {
         (self.scanned.iter().zip(&self.heights.heights))

@@ -14,7 +14,7 @@ mod truth;
 
 pub use error::EvaluationError;
 pub use params::{EvaluationParams, FillKind};
-pub use report::{Evaluation, HeightsOver, HoleReport, MeasureSummary, Repeat, Summary};
+pub use report::{Evaluation, HeightsOver, HoleReport, Repeat};
 pub use truth::AgainstTruth;
 
 use std::time::Instant;
@@ -125,7 +125,13 @@ fn evaluate_hole(
             places: pieces.len(),
         });
     }
-    let calibration = Calibration::new(&field, &known, &pieces);
+    let calibration = Calibration::new(&field, &known, &pieces, &mut |done| {
+        progress(Progress {
+            stage: "true pieces",
+            done,
+            total: pieces.len(),
+        });
+    });
     let judgement = calibration.judge(&field.figures(&piece, &known));
     let reference: Vec<u32> = (0u32..)
         .zip(&known)
@@ -147,7 +153,8 @@ fn evaluate_hole(
         original: areal.map(|(original, _)| original),
         completed: areal.map(|(_, completed)| completed),
         color_correlation: judged.colors.as_ref().map(|colors| {
-            stats::compare_colors(colors, &judged.completed).map(|channel| channel.correlation)
+            stats::compare_colors(colors, &judged.originals(), &judged.completed)
+                .map(|channel| channel.correlation)
         }),
         copies: copies(&judged.mesh, &judged.sources, step),
         judgement,

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::likeness::{ArealFigures, CopyIndex, Judgement, Measure};
+use crate::likeness::{ArealFigures, CopyIndex, Judgement, MeasureSummary, Scores, Summary};
 
 use super::AgainstTruth;
 
@@ -19,29 +19,6 @@ pub struct Evaluation {
     pub repeats: Vec<Repeat>,
     /// Why other holes could not be filled.
     pub failed: Vec<String>,
-}
-
-/// A score over several holes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Summary {
-    /// Median.
-    pub median: f64,
-    /// Largest.
-    pub worst: f64,
-    /// Number of holes with a score above 1: outside of the surface's natural variation.
-    pub outside: usize,
-    /// Number of holes that have the score.
-    pub holes: usize,
-}
-
-/// A measure over several holes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct MeasureSummary {
-    /// The measure.
-    pub measure: Measure,
-    /// Its scores.
-    #[serde(flatten)]
-    pub scores: Summary,
 }
 
 /// What was cut out of the scan.
@@ -117,57 +94,14 @@ impl Repeat {
 
 impl Evaluation {
     pub(super) fn new(median_edge: f64, repeats: Vec<Repeat>, failed: Vec<String>) -> Self {
-        let measure = |measure: &Measure| {
-            let scores = repeats.iter().filter_map(|r| r.judgement.of(*measure));
-            let scores = Summary::of(scores.map(|s| s.score).collect())?;
-            Some(MeasureSummary {
-                measure: *measure,
-                scores,
-            })
-        };
-        let overall = repeats.iter().map(|r| r.judgement.overall.score).collect();
+        let judgements: Vec<&Judgement> = repeats.iter().map(|r| &r.judgement).collect();
+        let Scores { overall, measures } = Scores::of(&judgements);
         Self {
             median_edge,
-            overall: Summary::of(overall).unwrap_or(Summary {
-                median: 0.0,
-                worst: 0.0,
-                outside: 0,
-                holes: 0,
-            }),
-            measures: Measure::ALL.iter().filter_map(measure).collect(),
+            overall,
+            measures,
             repeats,
             failed,
         }
-    }
-}
-
-impl Summary {
-    fn of(mut scores: Vec<f64>) -> Option<Self> {
-        scores.sort_by(f64::total_cmp);
-        let (low, high) = (
-            scores.get(scores.len().checked_sub(1)? / 2)?,
-            scores.get(scores.len() / 2)?,
-        );
-        Some(Self {
-            median: 0.5 * (low + high),
-            worst: *scores.last()?,
-            outside: scores.iter().filter(|score| **score > 1.0).count(),
-            holes: scores.len(),
-        })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn medians_are_in_the_middle() {
-        let of = |scores: &[f64]| Summary::of(scores.to_vec()).unwrap();
-        let three = of(&[3.0, 0.5, 1.5]);
-        assert_eq!((three.outside, three.holes), (2, 3));
-        assert!((three.median - 1.5).abs() < 1e-12 && (three.worst - 3.0).abs() < 1e-12);
-        assert!((of(&[1.0, 2.0]).median - 1.5).abs() < 1e-12);
-        assert_eq!(Summary::of(Vec::new()), None);
     }
 }

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::distance::log_ratio;
 use super::field::{Field, Named, Quantity, Split};
 use super::readings::{DIRECTIONS, LAGS};
+use super::variogram::{Both, Variogram};
 use super::{Figure, Measure, variogram};
 
 /// Where the autocorrelation counts as gone (ISO 25178-2: 0.2).
@@ -37,9 +38,15 @@ pub struct ArealFigures {
 
 /// The figures of a piece against those of the known part: |ln(a/b)| for what is positive and has a scale,
 /// |a − b| for skewness and aspect ratio.
-pub(super) fn figures(field: &Field, quantity: &Quantity, split: &Split) -> Vec<Figure> {
-    let piece = of_part(field, quantity, split.inner.iter().copied());
-    let reference = of_part(field, quantity, split.reference());
+pub(super) fn figures(
+    field: &Field,
+    quantity: &Quantity,
+    split: &Split,
+    variograms: &Both,
+) -> Vec<Figure> {
+    let inner = split.inner.iter().copied();
+    let piece = with_variogram(field, quantity, inner, &variograms.piece);
+    let reference = with_variogram(field, quantity, split.reference(), &variograms.reference);
     let both = piece.zip(reference);
     let ratio = |get: fn(&ArealFigures) -> f64| both.and_then(|(a, b)| log_ratio(get(&a), get(&b)));
     let difference = |get: fn(&ArealFigures) -> f64| {
@@ -71,7 +78,33 @@ pub(super) fn of_part(
     quantity: &Quantity,
     part: impl Iterator<Item = u32> + Clone,
 ) -> Option<ArealFigures> {
-    let items = (part.clone())
+    let variogram = variogram::of_part(field, quantity, part.clone());
+    with_variogram(field, quantity, part, &variogram)
+}
+
+/// Root mean square about the mean, weighted by area; `None` if the part has no area.
+pub(super) fn deviation(
+    field: &Field,
+    quantity: &Quantity,
+    part: impl Iterator<Item = u32> + Clone,
+) -> Option<f64> {
+    let items = (part.map(|v| (quantity.values[v as usize], field.areas[v as usize])))
+        .filter(|(_, area)| *area > 0.0);
+    let sum = |of: &dyn Fn(f64) -> f64| -> f64 {
+        items.clone().map(|(value, area)| area * of(value)).sum()
+    };
+    let area = sum(&|_| 1.0);
+    let mean = sum(&|h| h) / area;
+    (area > 0.0).then(|| (sum(&|h| (h - mean).powi(2)) / area).sqrt())
+}
+
+fn with_variogram(
+    field: &Field,
+    quantity: &Quantity,
+    part: impl Iterator<Item = u32> + Clone,
+    variogram: &Variogram,
+) -> Option<ArealFigures> {
+    let items = part
         .map(|v| (quantity.values[v as usize], field.areas[v as usize]))
         .filter(|(_, area)| *area > 0.0);
     let area: f64 = items.clone().map(|(_, area)| area).sum();
@@ -87,7 +120,6 @@ pub(super) fn of_part(
     };
     let mean = mean_of(&|h| h);
     let sq = mean_of(&|h| (h - mean).powi(2)).sqrt();
-    let variogram = variogram::of_part(field, quantity, part);
     let slopes = (0..DIRECTIONS).map(|direction| variogram[direction * LAGS.len()]);
     // The mean over all directions of what a slope rises by is half its square.
     let square_slope = 2.0 * slopes.sum::<f64>() / DIRECTIONS as f64 / field.step.powi(2);

@@ -7,6 +7,8 @@ use super::{Field, Figure, Measure};
 
 /// The share of true pieces that score at most 1.
 const QUANTILE: f64 = 0.95;
+/// Pieces that are looked at between two words of progress.
+const AT_ONCE: usize = 16;
 /// Where all true pieces agree exactly (synthetic relief), so much of a difference counts as none.
 const LEAST_QUANTILE: f64 = 1e-9;
 
@@ -72,12 +74,20 @@ pub struct Judgement {
 }
 
 impl Calibration {
-    /// Takes the figures of true pieces, each against the known part without it.
+    /// Takes the figures of true pieces, each against the known part without it; `progress` hears how many
+    /// are done.
     #[must_use]
-    pub fn new(field: &Field, known: &[bool], pieces: &[Vec<u32>]) -> Self {
-        let table: Vec<Vec<Figure>> = (pieces.par_iter())
-            .map(|piece| field.figures(piece, known))
-            .collect();
+    pub fn new(
+        field: &Field,
+        known: &[bool],
+        pieces: &[Vec<u32>],
+        progress: &mut dyn FnMut(usize),
+    ) -> Self {
+        let mut table: Vec<Vec<Figure>> = Vec::with_capacity(pieces.len());
+        for some in pieces.chunks(AT_ONCE) {
+            table.par_extend(some.par_iter().map(|piece| field.figures(piece, known)));
+            progress(table.len());
+        }
         let count = table.first().map_or(0, Vec::len);
         let figures: Vec<Null> = (0..count)
             .map(|i| Null::new(table.iter().filter_map(|row| row[i].value)))

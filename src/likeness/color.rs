@@ -22,9 +22,11 @@ pub(super) fn figures(field: &Field, split: &Split) -> Vec<Figure> {
     for quantity in colors {
         figures.push(histogram(field, quantity, split));
         figures.push(laplacian::figure(field, quantity, split));
-        figures.push(variogram::figure(field, quantity, split));
+        let variograms = variogram::Both::new(field, quantity, split);
+        figures.push(variogram::figure(quantity, &variograms));
         // A mean integral has no meaning without a base; the histogram has the mean.
-        let areal = areal::figures(field, quantity, split).into_iter().skip(1);
+        let areal = areal::figures(field, quantity, split, &variograms);
+        let areal = areal.into_iter().skip(1);
         figures.extend(areal);
         let [laplacian, _] = seam::figures(field, quantity, split);
         figures.push(laplacian);
@@ -57,7 +59,7 @@ fn histogram(field: &Field, quantity: &Quantity, split: &Split) -> Figure {
             weight(&split.in_reference, *v),
         )
     });
-    let scale = areal::of_part(field, quantity, split.reference()).map(|figures| figures.sq);
+    let scale = areal::deviation(field, quantity, split.reference());
     Figure {
         measure: Measure::Color,
         name: quantity.named("histogram"),

@@ -10,7 +10,7 @@ use crate::rng::{Rng, Stage};
 use super::curved::CurvedChannels;
 use super::seam::Bend;
 use super::{Discs, Figure, areal, classifier, color, laplacian, readings, seam, variogram};
-use readings::VertexReading;
+use readings::{LAGS, VertexReading};
 
 /// A piece with less than this share of its area off the seam is all seam, and looked at as a whole.
 const LEAST_INNER: f64 = 0.2;
@@ -125,6 +125,28 @@ impl Field {
         piece.iter().map(|v| self.areas[*v as usize]).sum()
     }
 
+    /// The foot points around their centroid, and the triangles.
+    #[must_use]
+    pub fn feet(&self) -> &TriMesh {
+        &self.feet
+    }
+
+    /// The unit of all distances that are looked at, see [`FieldInput::step`].
+    #[must_use]
+    pub fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// #V: whether a vertex is one of the given, and is looked at.
+    #[must_use]
+    pub fn marked(&self, vertices: &[u32]) -> Vec<bool> {
+        let mut marks = vec![false; self.areas.len()];
+        for v in vertices {
+            marks[*v as usize] = self.areas[*v as usize] > 0.0;
+        }
+        marks
+    }
+
     /// True pieces to calibrate with: `count` discs of the given area around random vertices, within the
     /// known part and away from its rims.
     #[must_use]
@@ -144,14 +166,32 @@ impl Field {
         let mut figures = Vec::new();
         let height = &self.quantities[0];
         figures.push(laplacian::figure(self, height, &split));
-        figures.push(variogram::figure(self, height, &split));
-        figures.extend(areal::figures(self, height, &split));
+        let variograms = variogram::Both::new(self, height, &split);
+        figures.push(variogram::figure(height, &variograms));
+        figures.extend(areal::figures(self, height, &split, &variograms));
         figures.extend(seam::figures(self, height, &split));
         figures.push(classifier::figure(self, &self.quantities[..1], &split));
         if self.quantities.len() > 1 {
             figures.extend(color::figures(self, &split));
         }
         figures
+    }
+
+    /// The variogram of the height of a part: distances in the scan's unit, and half the mean squared
+    /// difference of two heights so far apart, over all directions. Distances at which nothing is known are left
+    /// out.
+    #[must_use]
+    pub fn variogram(&self, part: &[u32]) -> Vec<(f64, f64)> {
+        let by_direction = variogram::of_part(self, &self.quantities[0], part.iter().copied());
+        (LAGS.iter().enumerate())
+            .filter_map(|(lag, edges)| {
+                let known = (by_direction.iter().skip(lag).step_by(LAGS.len()))
+                    .filter(|square| square.is_finite());
+                let count = known.clone().count();
+                let mean = known.sum::<f64>() / count as f64;
+                (count > 0).then_some((*edges as f64 * self.step, 0.5 * mean))
+            })
+            .collect()
     }
 
     /// ISO 25178-2 figures of the height of a part of the surface.

@@ -32,6 +32,7 @@ mod field;
 mod laplacian;
 mod readings;
 mod seam;
+mod summary;
 mod variogram;
 
 pub use areal::ArealFigures;
@@ -40,6 +41,7 @@ pub(crate) use color::lightness;
 pub use copies::{CopyIndex, copies};
 pub use discs::Discs;
 pub use field::{Field, FieldInput};
+pub use summary::{MeasureSummary, Scores, Summary, worst_figures};
 
 use serde::Serialize;
 

@@ -121,7 +121,7 @@ impl Bench {
         let pieces = field.pieces(&known, AREA, PIECES, 0);
         assert_eq!(pieces.len(), PIECES);
         Self {
-            calibration: Calibration::new(&field, &known, &pieces),
+            calibration: Calibration::new(&field, &known, &pieces, &mut |_| {}),
             mesh,
             heights,
             piece,

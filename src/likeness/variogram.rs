@@ -11,14 +11,28 @@ const SIZE: usize = DIRECTIONS * LAGS.len();
 /// Mean squared differences, by direction and then lag; NaN where there are none.
 pub(super) type Variogram = [f64; SIZE];
 
+/// Of a piece off its seam, and of the known part.
+#[derive(Debug)]
+pub(super) struct Both {
+    pub(super) piece: Variogram,
+    pub(super) reference: Variogram,
+}
+
+impl Both {
+    pub(super) fn new(field: &Field, quantity: &Quantity, split: &Split) -> Self {
+        Self {
+            piece: of_part(field, quantity, split.inner.iter().copied()),
+            reference: of_part(field, quantity, split.reference()),
+        }
+    }
+}
+
 /// Root mean square of |ln(γ/γ′)| over all directions and lags from 1 to 32 median edges, γ of the piece,
 /// γ′ of the known part.
-pub(super) fn figure(field: &Field, quantity: &Quantity, split: &Split) -> Figure {
-    let of_piece = of_part(field, quantity, split.inner.iter().copied());
-    let of_reference = of_part(field, quantity, split.reference());
+pub(super) fn figure(quantity: &Quantity, of_both: &Both) -> Figure {
     let (mut sum, mut count) = (0.0, 0.0);
-    for (a, b) in of_piece.into_iter().zip(of_reference) {
-        if let Some(distance) = log_ratio(a, b) {
+    for (a, b) in of_both.piece.iter().zip(&of_both.reference) {
+        if let Some(distance) = log_ratio(*a, *b) {
             sum += distance * distance;
             count += 1.0;
         }

@@ -33,7 +33,7 @@ pub use params::{
     Background, ChannelChoice, LARGEST_SIDE, LARGEST_ZOOM, LookAt, MOST_PIXELS, Projection,
     RenderParams, SMALLEST_SIDE, Up, View,
 };
-pub use png::write_png;
+pub use png::{check_built, write_png};
 
 use nalgebra::Point3;
 use rayon::prelude::*;

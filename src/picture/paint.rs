@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::base;
-use crate::completion::{COMPLETED, HEIGHT, SOURCE};
+use crate::completion::{COMPLETED, COST, HEIGHT, SOURCE};
 use crate::mesh::TriMesh;
 use crate::relief;
 use crate::scan::Scan;
@@ -13,9 +13,6 @@ use super::color_map::{ColorMap, look_up, of_place};
 use super::legend::Legend;
 use super::view::bounds;
 use super::{ChannelChoice, PictureError, RenderParams};
-
-/// Vertex property: what the match of a completed vertex cost.
-const COST: &str = "cost";
 
 /// Shares of the values below and above the ends of the color bar.
 const QUANTILES: [f64; 2] = [0.02, 0.98];

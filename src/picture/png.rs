@@ -36,6 +36,24 @@ pub fn write_png(_raster: &Raster, _out: &mut dyn Write) -> Result<(), PictureEr
     Err(PictureError::NotBuilt)
 }
 
+/// Whether this build can write PNG: worth asking before long work.
+///
+/// # Errors
+/// [`PictureError::NotBuilt`] if it cannot (Cargo feature `image`).
+#[cfg(feature = "image")]
+pub fn check_built() -> Result<(), PictureError> {
+    Ok(())
+}
+
+/// Says what this build lacks.
+///
+/// # Errors
+/// [`PictureError::NotBuilt`], always.
+#[cfg(not(feature = "image"))]
+pub fn check_built() -> Result<(), PictureError> {
+    Err(PictureError::NotBuilt)
+}
+
 #[cfg(all(test, feature = "image"))]
 mod tests {
     use super::*;

@@ -61,7 +61,7 @@ pub use error::ScanError;
 pub use format::{Format, read, read_from, write, write_to};
 pub use height_map::{HeightMap, read_height_map};
 pub use options::{Intrinsics, ReadOptions, WriteOptions};
-pub use output::{OutputFile, abandon_outputs};
+pub use output::{OutputFile, abandon_outputs, same_file};
 pub use range_grid::RANGE_GRID;
 
 use nalgebra::Point3;

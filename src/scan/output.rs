@@ -145,6 +145,12 @@ impl OutputFile {
     pub fn name(&self) -> &str {
         &self.name
     }
+
+    /// Whether it is standard output, where nothing else may be written then.
+    #[must_use]
+    pub fn is_stdout(&self) -> bool {
+        matches!(self.sink, Sink::Stdout(_))
+    }
 }
 
 impl Held {
@@ -228,8 +234,9 @@ impl Write for OutputFile {
     }
 }
 
-/// Whether two paths lead to the same file that exists.
-fn same_file(a: &Path, b: &Path) -> bool {
+/// Whether two paths lead to the same file, which exists; also through links of either kind.
+#[must_use]
+pub fn same_file(a: &Path, b: &Path) -> bool {
     let (Ok(real_a), Ok(real_b)) = (fs::canonicalize(a), fs::canonicalize(b)) else {
         return false;
     };

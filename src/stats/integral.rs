@@ -1,9 +1,12 @@
 //! Integrals of the relief over its base surface, exact for heights linear in each triangle.
 
+use nalgebra::Point3;
 use serde::Serialize;
 
 use crate::mesh::triangle_area;
 use crate::relief::Relief;
+
+use super::areal::{ArealParameters, HeightParameters, MaterialRatioCurve};
 
 /// Figures of a part of the relief.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -18,39 +21,131 @@ pub struct ReliefPart {
     /// Mean height, signed, in the scan's unit.
     pub mean_height: f64,
     /// RMS roughness Sq: root mean square height about the mean height, in the scan's unit
-    /// (ISO 25178-2, 4.1.1, with the base surface for the form).
+    /// (ISO 25178-2:2021, 4.2, with the base surface for the form).
     pub rms_roughness: f64,
+    /// Areal parameters of the heights about their mean. Heights are linear in each triangle: Sa, Sq, Ssk, Sku,
+    /// Sdq and Sdr are exact for that surface; the material ratio is that of the vertices, each with a third of
+    /// the area around it; Sal, Str and Std are read off square patches, and missing where no patch fits.
+    pub areal: ArealParameters,
 }
 
-/// Figures of the given triangles of the relief; `None` if they have no area.
+/// Figures of the given triangles of the relief; `None` if they have no area. Spatial parameters are not among
+/// them.
 #[must_use]
 pub fn relief_part(relief: &Relief, triangles: &[[u32; 3]]) -> Option<ReliefPart> {
-    let (mut area, mut signed, mut unsigned, mut square) = (0.0, 0.0, 0.0, 0.0);
+    let items = heights_by_area(relief, triangles, 0.0);
+    let curve = MaterialRatioCurve::new(items.iter().copied())?;
+    let of_vertices = HeightParameters::of(items.into_iter())?;
+    let mut sums = Sums::default();
     for t in triangles {
-        let base_area = triangle_area(t.map(|v| relief.feet[v as usize]));
-        let heights = t.map(|v| relief.heights[v as usize]);
-        area += base_area;
-        signed += base_area * heights.iter().sum::<f64>() / 3.0;
-        unsigned += base_area * mean_absolute(heights);
-        square += base_area * mean_square(heights);
+        sums.add(relief, t, None);
     }
-    if area <= 0.0 {
-        return None;
+    let mean_height = sums.signed / sums.area;
+    // Moments about the mean, which the first round has told.
+    let mut about = Sums::default();
+    for t in triangles {
+        about.add(relief, t, Some(mean_height));
     }
-    let mean_height = signed / area;
+    let [square, cube, fourth] = about.powers.map(|sum| sum / about.area);
+    let rms_roughness = square.sqrt();
+    let mean_integral = sums.unsigned / sums.area;
+    let flat = rms_roughness <= 1e-12 * mean_integral;
+    let areal = ArealParameters {
+        sa: about.unsigned / about.area,
+        sq: rms_roughness,
+        ssk: (!flat).then(|| cube / rms_roughness.powi(3)),
+        sku: (!flat).then(|| fourth / square.powi(2)),
+        sdq: Some((about.square_slope / about.area).sqrt()),
+        sdr: Some(100.0 * about.developed / about.area),
+        ..ArealParameters::of_heights(&of_vertices, &curve)
+    };
     Some(ReliefPart {
         triangles: triangles.len(),
-        area,
-        mean_integral: unsigned / area,
+        area: sums.area,
+        mean_integral,
         mean_height,
-        rms_roughness: (square / area - mean_height * mean_height).max(0.0).sqrt(),
+        rms_roughness,
+        areal,
     })
 }
 
-/// Mean of h² over a triangle with corner heights.
-fn mean_square(h: [f64; 3]) -> f64 {
-    let sum: f64 = h.iter().sum();
-    (sum * sum + h.iter().map(|x| x * x).sum::<f64>()) / 12.0
+/// Heights of vertices over the given one, with a third of the base area of the triangles around each; without
+/// those that have none.
+pub(super) fn heights_by_area(
+    relief: &Relief,
+    triangles: &[[u32; 3]],
+    over: f64,
+) -> Vec<(f64, f64)> {
+    let mut areas = vec![0.0; relief.heights.len()];
+    for t in triangles {
+        let area = triangle_area(t.map(|v| relief.feet[v as usize]));
+        for v in t {
+            areas[*v as usize] += area / 3.0;
+        }
+    }
+    (relief.heights.iter().zip(areas))
+        .filter(|(_, area)| *area > 0.0)
+        .map(|(height, area)| (height - over, area))
+        .collect()
+}
+
+/// Integrals over triangles.
+#[derive(Default)]
+struct Sums {
+    area: f64,
+    signed: f64,
+    unsigned: f64,
+    /// Of the second, third and fourth power.
+    powers: [f64; 3],
+    square_slope: f64,
+    /// By how much the relief's area is more than the base's.
+    developed: f64,
+}
+
+impl Sums {
+    /// Adds a triangle, with heights about `mean` (without it about the base surface).
+    fn add(&mut self, relief: &Relief, t: &[u32; 3], mean: Option<f64>) {
+        let feet = t.map(|v| relief.feet[v as usize]);
+        let area = triangle_area(feet);
+        let heights = t.map(|v| relief.heights[v as usize] - mean.unwrap_or(0.0));
+        self.area += area;
+        self.signed += area * heights.iter().sum::<f64>() / 3.0;
+        self.unsigned += area * mean_absolute(heights);
+        for (sum, mean) in self.powers.iter_mut().zip(mean_powers(heights)) {
+            *sum += area * mean;
+        }
+        let square_slope = square_slope(feet, heights);
+        self.square_slope += area * square_slope;
+        // √(1 + s) − 1 without the loss of digits for small slopes.
+        self.developed += area * square_slope / (1.0 + (1.0 + square_slope).sqrt());
+    }
+}
+
+/// Square of the gradient of heights that are linear in a triangle; 0 for a triangle without area.
+fn square_slope([a, b, c]: [Point3<f64>; 3], h: [f64; 3]) -> f64 {
+    let (along, across) = (b - a, c - a);
+    let (xx, xy, yy) = (
+        along.norm_squared(),
+        along.dot(&across),
+        across.norm_squared(),
+    );
+    let (u, v) = (h[1] - h[0], h[2] - h[0]);
+    let determinant = xx * yy - xy * xy;
+    if determinant <= 1e-20 * xx * yy {
+        return 0.0;
+    }
+    (u * u * yy - 2.0 * u * v * xy + v * v * xx) / determinant
+}
+
+/// Means of h², h³ and h⁴ over a triangle with corner heights: complete symmetric polynomials over the number
+/// of their terms.
+fn mean_powers([a, b, c]: [f64; 3]) -> [f64; 3] {
+    let (s1, s2, s3) = (a + b + c, a * b + b * c + c * a, a * b * c);
+    // Newton's recursion of complete by elementary ones.
+    let h2 = s1 * s1 - s2;
+    let h3 = s1 * h2 - s2 * s1 + s3;
+    let h4 = s1 * h3 - s2 * h2 + s3 * s1;
+    [h2 / 6.0, h3 / 10.0, h4 / 15.0]
 }
 
 /// Mean of |h| over a triangle with corner heights. Where the sign changes, the corner that is alone
@@ -76,10 +171,10 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Means of |h| and h² by midpoints of n² equal triangles.
-    fn dense(h: [f64; 3]) -> (f64, f64) {
+    /// Means of |h|, h², h³ and h⁴ by midpoints of n² equal triangles.
+    fn dense(h: [f64; 3]) -> [f64; 4] {
         let n = 200;
-        let (mut absolute, mut square) = (0.0, 0.0);
+        let mut sums = [0.0; 4];
         for i in 0..n {
             for j in 0..n - i {
                 let upright = (f64::from(i) + 1.0 / 3.0, f64::from(j) + 1.0 / 3.0);
@@ -90,21 +185,25 @@ mod tests {
                     }
                     let (s, t) = (s / f64::from(n), t / f64::from(n));
                     let value = h[0] + (h[1] - h[0]) * s + (h[2] - h[0]) * t;
-                    absolute += value.abs();
-                    square += value * value;
+                    let powers = [value.abs(), value.powi(2), value.powi(3), value.powi(4)];
+                    for (sum, power) in sums.iter_mut().zip(powers) {
+                        *sum += power;
+                    }
                 }
             }
         }
         let count = f64::from(n) * f64::from(n);
-        (absolute / count, square / count)
+        sums.map(|sum| sum / count)
     }
 
     proptest! {
         #[test]
         fn means_match_a_dense_sum(h in [-1.0..1.0f64, -1.0..1.0, -1.0..1.0]) {
-            let (absolute, square) = dense(h);
+            let [absolute, powers @ ..] = dense(h);
             prop_assert!((mean_absolute(h) - absolute).abs() < 1e-4);
-            prop_assert!((mean_square(h) - square).abs() < 1e-4);
+            for (exact, sum) in mean_powers(h).into_iter().zip(powers) {
+                prop_assert!((exact - sum).abs() < 2e-4, "{} {}", exact, sum);
+            }
         }
     }
 

@@ -4,7 +4,7 @@ use rustfft::num_complex::Complex;
 use rustfft::{FftDirection, FftPlanner};
 
 /// Transforms a grid (row-major, `rows` times `columns`) in both directions, without any factor.
-pub(super) fn transform(
+pub(in crate::stats) fn transform(
     grid: &mut [Complex<f64>],
     columns: usize,
     rows: usize,
@@ -34,7 +34,7 @@ fn transpose(from: &[Complex<f64>], to: &mut [Complex<f64>], columns: usize, row
 }
 
 /// The smallest length of at least `least` that transforms fast: no prime factor above 5.
-pub(super) fn fast_length(least: usize) -> usize {
+pub(in crate::stats) fn fast_length(least: usize) -> usize {
     let is_fast = |mut n: usize| {
         for factor in [2, 3, 5] {
             while n.is_multiple_of(factor) {

@@ -18,7 +18,7 @@ mod direction;
 mod error;
 mod filter;
 mod form;
-mod fourier;
+pub(in crate::stats) mod fourier;
 mod grid;
 mod heights;
 mod material_ratio;

@@ -95,6 +95,8 @@ pub enum ParameterUnit {
     Height,
     /// The unit of lengths across the surface.
     Length,
+    /// Its square.
+    Area,
     /// Volume over area, the unit of the heights.
     VolumeOverArea,
     /// Percent.

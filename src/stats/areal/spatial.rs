@@ -1,10 +1,19 @@
 //! The autocorrelation of a surface: how far it resembles itself.
 
+use rayon::prelude::*;
+
 /// Where the autocorrelation counts as gone (default of ISO 25178-3).
 pub const CORRELATION_THRESHOLD: f64 = 0.2;
 
 /// Most lags on the rim that lines are drawn to; of larger maps every second, third, … is taken.
 const MOST_LINES: usize = 16_384;
+
+/// Most steps along all lines together, which takes a second or two: of long and narrow maps still fewer lines are
+/// drawn, but not less than [`LEAST_LINES`]. Maps up to 6000 by 6000 do not come near it.
+const MOST_STEPS: usize = 1 << 28;
+
+/// See [`MOST_STEPS`].
+const LEAST_LINES: usize = 256;
 
 /// Autocorrelation over a lattice of lags in both directions, 1 at lag 0.
 ///
@@ -97,7 +106,8 @@ impl Autocorrelation {
 
     /// Sal and Str: the shortest distance from lag 0 at which the autocorrelation falls to 0.2, and its ratio to
     /// the longest, over the straight lines from lag 0 to the lags on the rim, along each of which the first
-    /// fall counts; linear between lags.
+    /// fall counts; linear between lags. Where the rim has more than 16 384 lags, lines go to some of them only,
+    /// evenly along it; of maps that are very long and narrow to still fewer, at least 256.
     ///
     /// Sal is `None` if no line falls so far. Str is `None` if one does not before the rim or the unknown: the
     /// longest distance is larger than the map then.
@@ -106,20 +116,42 @@ impl Autocorrelation {
     /// ISO 25178-2:2021, 4.3.2 and 4.3.3.
     #[must_use]
     pub fn lengths(&self) -> (Option<f64>, Option<f64>) {
-        let mut all_fall = true;
+        let Some(sure) = self.sure() else {
+            return (None, None);
+        };
+        let rim: Vec<(f64, f64)> = self.rim().collect();
+        let falls: Vec<Option<f64>> = (rim.par_iter())
+            .map(|(i, j)| self.falls_towards(*i, *j, sure))
+            .collect();
         let (mut shortest, mut longest) = (f64::INFINITY, 0.0_f64);
-        for (i, j) in self.rim() {
-            match self.falls_towards(i, j) {
-                Some(distance) => {
-                    shortest = shortest.min(distance);
-                    longest = longest.max(distance);
-                }
-                None => all_fall = false,
-            }
+        for distance in falls.iter().flatten() {
+            shortest = shortest.min(*distance);
+            longest = longest.max(*distance);
         }
         let sal = shortest.is_finite().then_some(shortest);
         let ratio = sal.map(|sal| sal / longest);
-        (sal, ratio.filter(|_| all_fall))
+        (sal, ratio.filter(|_| falls.iter().all(Option::is_some)))
+    }
+
+    /// How many lags in each direction nothing falls to the threshold or is unknown; `None` if nothing falls at
+    /// all. What lies between lags is a mean of them.
+    fn sure(&self) -> Option<usize> {
+        let columns = 2 * self.reach[0] + 1;
+        let rows = self.values.par_chunks_exact(columns).enumerate();
+        let (nearest, any_falls) = rows
+            .map(|(row, values)| {
+                let up = row.abs_diff(self.reach[1]);
+                let (mut nearest, mut any_falls) = (usize::MAX, false);
+                for (column, value) in values.iter().enumerate() {
+                    if value.is_nan() || *value <= CORRELATION_THRESHOLD {
+                        nearest = nearest.min(up.max(column.abs_diff(self.reach[0])));
+                        any_falls |= !value.is_nan();
+                    }
+                }
+                (nearest, any_falls)
+            })
+            .reduce(|| (usize::MAX, false), |a, b| (a.0.min(b.0), a.1 || b.1));
+        any_falls.then(|| nearest.saturating_sub(1))
     }
 
     /// Half of the outermost lags; the autocorrelation is symmetric.
@@ -129,15 +161,23 @@ impl Autocorrelation {
         let right = (0..self.reach[1]).map(move |k| (mx, k as f64));
         let left = (1..self.reach[1]).map(move |k| (-mx, k as f64));
         let all = (top.chain(right).chain(left)).filter(|(i, j)| i.abs() + j.abs() > 0.0);
-        all.step_by(1 + 2 * (self.reach[0] + self.reach[1]) / MOST_LINES)
+        let lags = 2 * (self.reach[0] + self.reach[1]);
+        let steps = 2 * self.reach[0].max(self.reach[1]).max(1);
+        let most = (MOST_STEPS / steps).clamp(LEAST_LINES, MOST_LINES);
+        all.step_by(1 + lags / most)
     }
 
-    /// Distance of the first fall to the threshold on the line from lag 0 to a lag on the rim.
-    fn falls_towards(&self, i: f64, j: f64) -> Option<f64> {
+    /// Distance of the first fall to the threshold on the line from lag 0 to a lag on the rim. Up to `sure` lags
+    /// away there is none.
+    fn falls_towards(&self, i: f64, j: f64, sure: usize) -> Option<f64> {
         // Steps of half a lag: between lags the value is linear along the axes, and nearly so elsewhere.
         let steps = 2.0 * i.abs().max(j.abs());
         let length = (i * self.steps[0]).hypot(j * self.steps[1]);
-        let (mut before, mut k) = (1.0, 1.0);
+        let first = 2.0 * sure as f64;
+        let (mut before, mut k) = (
+            self.between(i * first / steps, j * first / steps),
+            first + 1.0,
+        );
         while k <= steps {
             let value = self.between(i * k / steps, j * k / steps);
             if value.is_nan() {
@@ -210,6 +250,54 @@ mod tests {
         let (sal, ratio) = made([20, 20], [1.0, 1.0], of).lengths();
         assert_relative_eq!(sal.unwrap(), 3.0 * 5.0_f64.ln(), max_relative = 1e-2);
         assert_eq!(ratio, None);
+    }
+
+    /// The definition alone: every line from lag 0 on.
+    fn plainly(acf: &Autocorrelation) -> (Option<f64>, Option<f64>) {
+        let falls: Vec<Option<f64>> = (acf.rim())
+            .map(|(i, j)| acf.falls_towards(i, j, 0))
+            .collect();
+        let known = || falls.iter().flatten().copied();
+        let sal = known().min_by(f64::total_cmp);
+        let longest = known().max_by(f64::total_cmp);
+        let ratio = sal.zip(longest).map(|(sal, longest)| sal / longest);
+        (sal, ratio.filter(|_| falls.iter().all(Option::is_some)))
+    }
+
+    #[test]
+    fn what_is_sure_to_hold_no_fall_changes_nothing() {
+        let slow = |x: f64, y: f64| (-(x / 9.0).hypot(y / 13.0)).exp();
+        let ripples = |x: f64, y: f64| 0.35 + 0.65 * (x / 3.0 + y / 7.0).cos();
+        let some = |x: f64, y: f64| if x > 12.0 { f64::NAN } else { slow(x, y) };
+        let never = |x: f64, y: f64| 0.5 + 0.5 * (-x.hypot(y)).exp();
+        let unknown = |x: f64, y: f64| if x.hypot(y) > 2.0 { f64::NAN } else { 1.0 };
+        let at_once = |x: f64, y: f64| f64::from(u8::from(x.hypot(y) < 0.1));
+        let all: [&dyn Fn(f64, f64) -> f64; 6] =
+            [&slow, &ripples, &some, &never, &unknown, &at_once];
+        for (k, of) in all.into_iter().enumerate() {
+            let acf = made([40, 35], [1.0, 0.7], of);
+            assert_eq!(acf.lengths(), plainly(&acf), "surface {k}");
+        }
+        let sure = |of: &dyn Fn(f64, f64) -> f64| made([40, 35], [1.0, 0.7], of).sure();
+        // On the diagonal of the lags it falls to 0.2 at ln 5 / 0.1235 = 13.03 lags along each axis.
+        assert_eq!(sure(&slow), Some(13));
+        assert_eq!([sure(&never), sure(&unknown)], [None, None]);
+        assert_eq!(sure(&at_once), Some(0));
+    }
+
+    #[test]
+    fn a_long_and_narrow_map_has_few_lines() {
+        let acf = Autocorrelation {
+            reach: [2_000_000, 2],
+            steps: [1.0; 2],
+            values: Vec::new(),
+        };
+        assert!((LEAST_LINES..=LEAST_LINES + 1).contains(&acf.rim().count()));
+        let square = Autocorrelation {
+            reach: [5400, 5400],
+            ..acf
+        };
+        assert!(square.rim().count() > 10_000);
     }
 
     #[test]
