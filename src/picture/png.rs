@@ -30,7 +30,7 @@ pub fn write_png(raster: &Raster, out: &mut dyn Write) -> Result<(), PictureErro
 /// Would write a picture as PNG, in a build with the Cargo feature `image`.
 ///
 /// # Errors
-/// [`PictureError::NotBuilt`], always.
+/// `PictureError::NotBuilt`, always.
 #[cfg(not(feature = "image"))]
 pub fn write_png(_raster: &Raster, _out: &mut dyn Write) -> Result<(), PictureError> {
     Err(PictureError::NotBuilt)
@@ -39,7 +39,7 @@ pub fn write_png(_raster: &Raster, _out: &mut dyn Write) -> Result<(), PictureEr
 /// Whether this build can write PNG: worth asking before long work.
 ///
 /// # Errors
-/// [`PictureError::NotBuilt`] if it cannot (Cargo feature `image`).
+/// `PictureError::NotBuilt` if it cannot (Cargo feature `image`).
 #[cfg(feature = "image")]
 pub fn check_built() -> Result<(), PictureError> {
     Ok(())
@@ -48,7 +48,7 @@ pub fn check_built() -> Result<(), PictureError> {
 /// Says what this build lacks.
 ///
 /// # Errors
-/// [`PictureError::NotBuilt`], always.
+/// `PictureError::NotBuilt`, always.
 #[cfg(not(feature = "image"))]
 pub fn check_built() -> Result<(), PictureError> {
     Err(PictureError::NotBuilt)
