@@ -68,7 +68,7 @@ pub fn verdict(
             "Nothing tells {second} from {first}: no difference exceeds what pieces of {first} differ by themselves{looked_at}."
         ),
         (true, true, outside) => format!(
-            "Most of {second} is within the natural variation of {first}; {outside} of {} pieces are not, at worst by {:.1} times{looked_at}.",
+            "Most of {second} is within the natural variation of {first}; {outside} of {} pieces differ more, the worst {:.2} times as much as is natural{looked_at}.",
             overall.pieces, overall.worst
         ),
         (true, false, _) => format!(
@@ -286,7 +286,7 @@ mod tests {
             0.5,
         ));
         assert_eq!(some.within, Some(true));
-        for words in ["1 of 3 pieces are not", "2.5 times", "50 % of it"] {
+        for words in ["1 of 3 pieces differ more", "2.50 times", "50 % of it"] {
             assert!(some.text.contains(words), "{}", some.text);
         }
 
