@@ -21,7 +21,7 @@ use std::time::Instant;
 
 use crate::completion::{CompleteParams, Progress, complete};
 use crate::likeness::{Calibration, Discs, copies};
-use crate::mesh::{TriMesh, edge_lengths};
+use crate::mesh::{TriMesh, median_edge};
 use crate::rng::{Rng, Stage};
 use crate::scan::Scan;
 use crate::stats;
@@ -48,7 +48,7 @@ pub fn evaluate(
     if mesh.triangles.is_empty() {
         return Err(EvaluationError::NoFaces);
     }
-    let step = median_edge(&mesh);
+    let step = median_edge(&mesh).ok_or(EvaluationError::NoFaces)?;
     let discs = Discs::new(&mesh, &vec![true; mesh.positions.len()], step);
     let area = params.hole * discs.area();
     let mut rng = Rng::new(params.seed, Stage::Evaluation, 0);
@@ -160,12 +160,6 @@ fn evaluate_hole(
         judgement,
         seconds,
     })
-}
-
-fn median_edge(mesh: &TriMesh) -> f64 {
-    let mut lengths = edge_lengths(mesh);
-    let middle = lengths.len() / 2;
-    *(lengths.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 #[cfg(test)]

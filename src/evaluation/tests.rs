@@ -41,7 +41,7 @@ fn evaluated(scan: &Scan, params: &EvaluationParams) -> Evaluation {
 fn a_hole_has_one_rim_and_what_was_there() {
     let scan = synthetic(Kind::Bark, 3000);
     let mesh = scan.mesh();
-    let step = super::median_edge(&mesh);
+    let step = crate::mesh::median_edge(&mesh).unwrap();
     let discs = super::Discs::new(&mesh, &vec![true; mesh.positions.len()], step);
     let mut rng = crate::rng::Rng::new(1, crate::rng::Stage::Evaluation, 0);
     let area = 0.04 * discs.area();

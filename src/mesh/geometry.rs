@@ -74,6 +74,14 @@ pub fn edge_lengths(mesh: &TriMesh) -> Vec<f64> {
         .collect()
 }
 
+/// Median length of all edges, the upper one of an even number; `None` without triangles.
+#[must_use]
+pub fn median_edge(mesh: &TriMesh) -> Option<f64> {
+    let mut lengths = edge_lengths(mesh);
+    let middle = lengths.len() / 2;
+    (!lengths.is_empty()).then(|| *lengths.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
 /// Euler characteristic V − E + F, of the vertices that a triangle uses.
 #[must_use]
 pub fn euler_characteristic(mesh: &TriMesh) -> i64 {

@@ -17,8 +17,8 @@ pub use boundary::{BoundaryLoop, LoopKind, boundary_loops, smoothed_positions, v
 pub use check::{MeshDefect, check};
 pub(crate) use disjoint_sets::DisjointSets;
 pub use geometry::{
-    bounding_diagonal, edge_lengths, edges, euler_characteristic, gradients, triangle_area,
-    triangle_normal, vertex_areas, vertex_normals,
+    bounding_diagonal, edge_lengths, edges, euler_characteristic, gradients, median_edge,
+    triangle_area, triangle_normal, vertex_areas, vertex_normals,
 };
 pub use nearest::{Nearest, PointTree};
 pub(crate) use spatial::first_at_place;

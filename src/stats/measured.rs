@@ -6,7 +6,7 @@ use crate::base::{
     self, BaseChoice, BaseSurface, FitParams, Form, FreeForm, Role, choose_wavelength, smooth_form,
 };
 use crate::completion::{COMPLETED, noted_relief, remembered_base, remembered_free_form};
-use crate::mesh::{Adjacency, TriMesh, edge_lengths, smoothed_positions};
+use crate::mesh::{Adjacency, TriMesh, median_edge, smoothed_positions};
 use crate::relief::{self, Relief};
 use crate::scan::Scan;
 
@@ -131,9 +131,7 @@ impl Measured {
                 .copied()
                 .collect(),
         };
-        let mut lengths = edge_lengths(&part);
-        let middle = lengths.len() / 2;
-        (!lengths.is_empty()).then(|| *lengths.select_nth_unstable_by(middle, f64::total_cmp).1)
+        median_edge(&part)
     }
 
     /// Takes short waves (S) and long ones (L) off the heights, by the areal spline filter of
@@ -251,9 +249,7 @@ fn on_free_form(
     let wavelength = match params.form_wavelength {
         Some(wavelength) => wavelength,
         None => {
-            let mut lengths = edge_lengths(mesh);
-            let middle = lengths.len() / 2;
-            let spacing = *lengths.select_nth_unstable_by(middle, f64::total_cmp).1;
+            let spacing = median_edge(mesh).ok_or(StatsError::NoFaces)?;
             choose_wavelength(mesh, &shape, spacing)?.wavelength
         }
     };
