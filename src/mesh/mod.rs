@@ -7,20 +7,24 @@
 mod adjacency;
 mod boundary;
 mod check;
+mod closest;
 mod disjoint_sets;
 mod geometry;
 mod nearest;
+mod point_triangle;
 mod spatial;
 
 pub use adjacency::{Adjacency, Csr};
 pub use boundary::{BoundaryLoop, LoopKind, boundary_loops, smoothed_positions, vector_area};
 pub use check::{MeshDefect, check};
+pub use closest::ClosestPoints;
 pub(crate) use disjoint_sets::DisjointSets;
 pub use geometry::{
     bounding_diagonal, edge_lengths, edges, euler_characteristic, gradients, median_edge,
     triangle_area, triangle_normal, vertex_areas, vertex_normals,
 };
 pub use nearest::{Nearest, PointTree};
+pub(crate) use point_triangle::PreparedTriangle;
 pub(crate) use spatial::first_at_place;
 pub use spatial::spatial_order;
 

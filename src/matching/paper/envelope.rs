@@ -3,7 +3,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::point_triangle::PreparedTriangle;
+use crate::mesh::PreparedTriangle;
 
 /// Slopes tried for an envelope. Steeper ones leave the middle thinner, but count a gap for less.
 const SLOPES: [f64; 4] = [0.1, 0.2, 0.4, 0.8];

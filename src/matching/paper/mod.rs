@@ -7,7 +7,6 @@
 mod cells;
 mod envelope;
 mod lower_bounds;
-mod point_triangle;
 mod query;
 mod samples;
 mod search;

@@ -10,10 +10,10 @@ use crate::sampling::Subdivision;
 use super::Match;
 use super::cells::ThickTriangle;
 use super::lower_bounds::LowerBounds;
-use super::point_triangle::PreparedTriangle;
 use super::search::turned;
 use super::site_grid::SiteGrid;
 use super::slab::Slab;
+use crate::mesh::PreparedTriangle;
 
 /// Number of a sample: neighbors on the surface have numbers near each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

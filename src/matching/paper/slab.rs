@@ -51,9 +51,9 @@ fn along(normal: &[f32; 3], p: &Point3<f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::point_triangle::PreparedTriangle;
     use super::super::tests::point;
     use super::*;
+    use crate::mesh::PreparedTriangle;
     use proptest::prelude::*;
 
     proptest! {

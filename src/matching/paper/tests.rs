@@ -3,9 +3,9 @@
 use nalgebra::{Point3, Rotation3, Vector3};
 use proptest::prelude::*;
 
-use super::point_triangle::PreparedTriangle;
 use super::*;
 use crate::base::BaseSurface;
+use crate::mesh::PreparedTriangle;
 use crate::mesh::{Adjacency, TriMesh, boundary_loops};
 use crate::neighborhood::{Window, gaussian_weight, local_frames, window_sigma};
 use crate::relief;

@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 
 /// A triangle, prepared for distance queries.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PreparedTriangle {
+pub(crate) struct PreparedTriangle {
     a: Point3<f64>,
     ab: Vector3<f64>,
     ac: Vector3<f64>,
@@ -16,7 +16,7 @@ pub(super) struct PreparedTriangle {
 }
 
 impl PreparedTriangle {
-    pub(super) fn new([a, b, c]: [Point3<f64>; 3]) -> Self {
+    pub(crate) fn new([a, b, c]: [Point3<f64>; 3]) -> Self {
         let (ab, ac) = (b - a, c - a);
         Self {
             a,
@@ -30,68 +30,82 @@ impl PreparedTriangle {
     }
 
     /// Its corners, but for rounding.
-    pub(super) fn corners(&self) -> [Point3<f64>; 3] {
+    pub(crate) fn corners(&self) -> [Point3<f64>; 3] {
         [self.a, self.a + self.ab, self.a + self.ac]
     }
 
     /// Unit normal; zero for a degenerate triangle.
-    pub(super) fn normal(&self) -> &Vector3<f64> {
+    pub(crate) fn normal(&self) -> &Vector3<f64> {
         &self.normal
     }
 
     /// Squared distance of `p` to the triangle's plane, which the triangle cannot be nearer than; a
     /// little less, for rounding.
     #[inline]
-    pub(super) fn plane_distance_sq(&self, p: &Point3<f64>) -> f64 {
+    pub(crate) fn plane_distance_sq(&self, p: &Point3<f64>) -> f64 {
         let height = self.normal.dot(&(p - self.a));
         height * height * (1.0 - 1e-9)
     }
 
-    /// Squared distance of `p` to the triangle with its inside (Ericson, *Real-Time Collision
-    /// Detection*, 2005, §5.1.5, in terms of the dot products at `a`).
-    pub(super) fn distance_sq(&self, p: &Point3<f64>) -> f64 {
+    /// Shares of the second and the third corner in the point of the triangle that is closest to `p` (Ericson,
+    /// *Real-Time Collision Detection*, 2005, §5.1.5, in terms of the dot products at `a`).
+    #[inline]
+    pub(crate) fn closest(&self, p: &Point3<f64>) -> [f64; 2] {
         let ap = p - self.a;
         let (d1, d2) = (self.ab.dot(&ap), self.ac.dot(&ap));
-        let ap_sq = ap.norm_squared();
-        // Squared distance to a + s·ab + t·ac.
-        let at = |s: f64, t: f64| {
-            let square = s * s * self.ab_sq + 2.0 * s * t * self.ab_ac + t * t * self.ac_sq;
-            (ap_sq - 2.0 * (s * d1 + t * d2) + square).max(0.0)
-        };
         if d1 <= 0.0 && d2 <= 0.0 {
-            return ap_sq;
+            return [0.0, 0.0];
         }
         let (d3, d4) = (d1 - self.ab_sq, d2 - self.ab_ac);
         if d3 >= 0.0 && d4 <= d3 {
-            return at(1.0, 0.0);
+            return [1.0, 0.0];
         }
         let (d5, d6) = (d1 - self.ab_ac, d2 - self.ac_sq);
         if d6 >= 0.0 && d5 <= d6 {
-            return at(0.0, 1.0);
+            return [0.0, 1.0];
         }
         let vc = d1 * d4 - d3 * d2;
         if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-            return at(d1 / (d1 - d3), 0.0);
+            return [d1 / (d1 - d3), 0.0];
         }
         let vb = d5 * d2 - d1 * d6;
         if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-            return at(0.0, d2 / (d2 - d6));
+            return [0.0, d2 / (d2 - d6)];
         }
         let va = d3 * d6 - d5 * d4;
         if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
             let t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-            return at(1.0 - t, t);
+            return [1.0 - t, t];
         }
         let sum = va + vb + vc;
-        at(vb / sum, vc / sum)
+        [vb / sum, vc / sum]
+    }
+
+    /// Squared distance of `p` to the triangle with its inside.
+    #[inline]
+    pub(crate) fn distance_sq(&self, p: &Point3<f64>) -> f64 {
+        let ap = p - self.a;
+        let (d1, d2) = (self.ab.dot(&ap), self.ac.dot(&ap));
+        // Squared distance to a + s·ab + t·ac.
+        let [s, t] = self.closest(p);
+        let square = s * s * self.ab_sq + 2.0 * s * t * self.ab_ac + t * t * self.ac_sq;
+        (ap.norm_squared() - 2.0 * (s * d1 + t * d2) + square).max(0.0)
+    }
+
+    /// The point with these shares of the second and the third corner.
+    pub(crate) fn point(&self, [s, t]: [f64; 2]) -> Point3<f64> {
+        self.a + self.ab * s + self.ac * t
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::point;
     use super::*;
     use proptest::prelude::*;
+
+    fn point() -> impl Strategy<Value = Point3<f64>> {
+        [-2.0..2.0f64, -2.0..2.0, -2.0..2.0].prop_map(Point3::from)
+    }
 
     proptest! {
         #[test]
