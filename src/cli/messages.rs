@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use log::{Level, LevelFilter, Log, Metadata, Record};
-use relievo::completion::Progress;
+use relievo::progress::Progress;
 
 use super::Common;
 

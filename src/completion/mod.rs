@@ -35,16 +35,15 @@ pub use noted::{
 pub use params::{CompleteParams, Method};
 pub use report::{
     Chosen, CompletionReport, Counts, FilledHole, FreeFormReport, Recall, Searched, SkippedHole,
-    StageTime,
 };
 
 use std::borrow::Cow;
-use std::time::Instant;
 
 use nalgebra::Vector3;
 
 use crate::base::{self, BaseChoice, FitReport};
 use crate::mesh::{Adjacency, BoundaryLoop, LoopKind, TriMesh, boundary_loops, bounding_diagonal};
+use crate::progress::{Clock, Progress};
 use crate::relief;
 use crate::sampling::{EdgeSpacing, edge_spacing};
 use crate::scan::Scan;
@@ -62,17 +61,6 @@ pub struct Completion {
     pub scan: Scan,
     /// What was done.
     pub report: CompletionReport,
-}
-
-/// How far a stage has come.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Progress {
-    /// Name of the stage.
-    pub stage: &'static str,
-    /// Units done, of `total`.
-    pub done: usize,
-    /// Units in all; 0 if not known.
-    pub total: usize,
 }
 
 /// Completes the scan's missing parts with relief and colour.
@@ -322,43 +310,6 @@ impl CompletionReport {
         }
         for hole in &mut self.filled {
             hole.own_base = hole.own_base.map(|base| base.translated(origin));
-        }
-    }
-}
-
-/// Stage times, and the way to tell progress.
-struct Clock<'a> {
-    since: Instant,
-    stages: Vec<StageTime>,
-    progress: &'a mut dyn FnMut(Progress),
-}
-
-impl<'a> Clock<'a> {
-    fn new(progress: &'a mut dyn FnMut(Progress)) -> Self {
-        Self {
-            since: Instant::now(),
-            stages: Vec::new(),
-            progress,
-        }
-    }
-
-    /// Says what comes next and cannot tell how far it is.
-    fn begin(&mut self, stage: &'static str) {
-        (self.progress)(Progress {
-            stage,
-            done: 0,
-            total: 0,
-        });
-    }
-
-    /// Ends a stage; one that comes again adds up.
-    fn end(&mut self, stage: &'static str) {
-        let seconds = self.since.elapsed().as_secs_f64();
-        self.since = Instant::now();
-        log::debug!("{stage}: {seconds:.2} s");
-        match self.stages.iter_mut().find(|s| s.stage == stage) {
-            Some(known) => known.seconds += seconds,
-            None => self.stages.push(StageTime { stage, seconds }),
         }
     }
 }

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::base::{FitReport, Form, WavelengthChoice};
+use crate::progress::StageTime;
 use crate::sampling::EdgeSpacing;
 
 /// What [`super::complete`] did. Lengths are in the scan's unit.
@@ -178,13 +179,4 @@ pub struct SkippedHole {
     pub loops: Vec<usize>,
     /// Why, in words.
     pub reason: String,
-}
-
-/// Time of a stage.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct StageTime {
-    /// Name of the stage.
-    pub stage: &'static str,
-    /// Wall-clock seconds.
-    pub seconds: f64,
 }

@@ -19,9 +19,10 @@ pub use truth::AgainstTruth;
 
 use std::time::Instant;
 
-use crate::completion::{CompleteParams, Progress, complete};
+use crate::completion::{CompleteParams, complete};
 use crate::likeness::{Calibration, Discs, copies};
 use crate::mesh::{TriMesh, median_edge};
+use crate::progress::Progress;
 use crate::rng::{Rng, Stage};
 use crate::scan::Scan;
 use crate::stats;

@@ -2,8 +2,12 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::base::{BaseSurface, FitReport, MAX_RELIEF_SHARE};
-use crate::mesh::{TriMesh, triangle_normal, vertex_normals};
+use crate::base::{
+    BaseSurface, FitReport, MAX_RELIEF_SHARE, Role, Undetermined, choose_wavelength, smooth_form,
+};
+use crate::mesh::{
+    Adjacency, TriMesh, median_edge, smoothed_positions, triangle_normal, vertex_normals,
+};
 
 /// The relief of a mesh over its base surface, one row a vertex.
 #[derive(Debug, Clone, PartialEq)]
@@ -115,6 +119,39 @@ pub fn over_form(mesh: &TriMesh, form: Vec<Point3<f64>>) -> Relief {
         side: 1.0,
     }
 }
+
+/// The relief of a mesh over free form, and the wavelength that tells one from the other (given, or chosen from the
+/// relief), in the scan's unit. `roles` (#V, or empty if all vertices were measured) say which vertices have a say in the
+/// form.
+///
+/// # Errors
+/// [`Undetermined`] where a piece of the mesh has too few measured vertices for any form.
+pub fn on_free_form(
+    mesh: &TriMesh,
+    wavelength: Option<f64>,
+    roles: &[Role],
+) -> Result<(Relief, f64), Undetermined> {
+    let shape = smoothed_positions(mesh, &Adjacency::new(mesh), SHAPE_ROUNDS);
+    let wavelength = match wavelength {
+        Some(wavelength) => wavelength,
+        None => {
+            let spacing = median_edge(mesh).ok_or(Undetermined)?;
+            choose_wavelength(mesh, &shape, spacing)?.wavelength
+        }
+    };
+    let measured;
+    let roles = if roles.is_empty() {
+        measured = vec![Role::Measured; mesh.positions.len()];
+        &measured
+    } else {
+        roles
+    };
+    let smooth = smooth_form(mesh, &shape, roles, wavelength)?;
+    Ok((over_form(mesh, smooth), wavelength))
+}
+
+/// Rounds of smoothing that free form is measured on: what relief would disturb in lengths and angles.
+const SHAPE_ROUNDS: usize = 10;
 
 /// Heights beyond this many robust standard deviations are no relief: the roof of a tower over the
 /// cylinder of its shaft. Generous, since deep joints and vugs are what completion is for.

@@ -2,18 +2,13 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::base::{
-    self, BaseChoice, BaseSurface, FitParams, Form, FreeForm, Role, choose_wavelength, smooth_form,
-};
+use crate::base::{self, BaseChoice, BaseSurface, FitParams, Form, FreeForm, Role, smooth_form};
 use crate::completion::{COMPLETED, noted_relief, remembered_base, remembered_free_form};
-use crate::mesh::{Adjacency, TriMesh, median_edge, smoothed_positions};
+use crate::mesh::{TriMesh, median_edge};
 use crate::relief::{self, Relief};
 use crate::scan::Scan;
 
 use super::StatsError;
-
-/// Rounds of smoothing that free form is measured on: what relief would disturb in lengths and angles.
-const SHAPE_ROUNDS: usize = 10;
 
 /// How heights are taken.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -245,22 +240,16 @@ fn on_free_form(
     completed: &[bool],
     params: &MeasureParams,
 ) -> Result<(Form, (Relief, f64)), StatsError> {
-    let shape = smoothed_positions(mesh, &Adjacency::new(mesh), SHAPE_ROUNDS);
-    let wavelength = match params.form_wavelength {
-        Some(wavelength) => wavelength,
-        None => {
-            let spacing = median_edge(mesh).ok_or(StatsError::NoFaces)?;
-            choose_wavelength(mesh, &shape, spacing)?.wavelength
-        }
-    };
+    if mesh.triangles.is_empty() {
+        return Err(StatsError::NoFaces);
+    }
     let roles: Vec<Role> = (completed.iter())
         .map(|completed| match completed {
             true => Role::Free,
             false => Role::Measured,
         })
         .collect();
-    let smooth = smooth_form(mesh, &shape, &roles, wavelength)?;
-    let relief = relief::over_form(mesh, smooth);
+    let (relief, wavelength) = relief::on_free_form(mesh, params.form_wavelength, &roles)?;
     let reach = relief::reach_of(&relief.heights);
     Ok((Form::Free(FreeForm { wavelength }), (relief, reach)))
 }

@@ -32,9 +32,9 @@ pub use verdict::{Verdict, verdict};
 use serde::Serialize;
 
 use crate::base::Form;
-pub use crate::completion::Progress;
 use crate::completion::{COMPLETED, SOURCE};
 use crate::likeness::{CopyIndex, copies};
+pub use crate::progress::Progress;
 use crate::scan::Scan;
 
 use patches::{PatchReader, Patches};
