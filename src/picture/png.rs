@@ -3,6 +3,8 @@
 use std::io::Write;
 
 use super::{PictureError, Raster};
+#[cfg(feature = "image")]
+use crate::scan::png::{self, Samples, Values};
 
 /// Writes a picture as PNG (ISO/IEC 15948), 8 bits a channel, sRGB; with opacity only where a pixel is not
 /// opaque. The same picture gives the same bytes.
@@ -11,20 +13,20 @@ use super::{PictureError, Raster};
 /// [`PictureError::Encode`] with what `out` says, or that this build cannot write PNG (Cargo feature `image`).
 #[cfg(feature = "image")]
 pub fn write_png(raster: &Raster, out: &mut dyn Write) -> Result<(), PictureError> {
-    use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-    use image::{ExtendedColorType, ImageEncoder};
-
-    let (bytes, color): (Vec<u8>, _) = if raster.is_opaque() {
-        let opaque = raster.pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]);
-        (opaque.collect(), ExtendedColorType::Rgb8)
+    let pixels = &raster.pixels;
+    let (bytes, channels): (Vec<u8>, u8) = if raster.is_opaque() {
+        let opaque = pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]);
+        (opaque.collect(), 3)
     } else {
-        let all = raster.pixels.iter().flatten().copied();
-        (all.collect(), ExtendedColorType::Rgba8)
+        (pixels.iter().flatten().copied().collect(), 4)
     };
-    let encoder = PngEncoder::new_with_quality(out, CompressionType::Default, FilterType::Adaptive);
-    encoder
-        .write_image(&bytes, raster.width, raster.height, color)
-        .map_err(|error| PictureError::Encode(error.to_string()))
+    let samples = Samples {
+        width: raster.width,
+        height: raster.height,
+        channels,
+        values: Values::Bytes(&bytes),
+    };
+    png::encode(&samples, out).map_err(|error| PictureError::Encode(error.to_string()))
 }
 
 /// Would write a picture as PNG, in a build with the Cargo feature `image`.

@@ -162,6 +162,15 @@ fn a_face_with_two_corners_at_one_place_is_not_sewn_to_itself() {
     assert_eq!(repaired.scan, scan);
 }
 
+/// Texture coordinates of the faces of a repaired scan.
+fn repaired_rows(scan: &Scan) -> Vec<Column> {
+    let repaired = repaired(scan);
+    match repaired.scan.face_channels.column("texcoord") {
+        Some(Column::List(lists)) => lists.clone(),
+        other => unreachable!("{other:?}"),
+    }
+}
+
 #[test]
 fn channels_of_corners_are_turned_with_their_face() {
     let mut scan = grid_scan(4, |_, faces| {
@@ -183,10 +192,23 @@ fn channels_of_corners_are_turned_with_their_face() {
     assert_eq!(repaired.report.flipped_faces, 1);
     assert_ne!(repaired.scan.faces.row(7), scan.faces.row(7));
     let turned: Vec<Vec<u32>> = repaired.scan.faces.rows().map(<[u32]>::to_vec).collect();
-    let expected = turned.iter().map(coordinates).collect();
+    let expected: Vec<Column> = turned.iter().map(coordinates).collect();
     let channel = |name: &str| repaired.scan.face_channels.column(name);
-    assert_eq!(channel("texcoord"), Some(&Column::List(expected)));
+    assert_eq!(channel("texcoord"), Some(&Column::List(expected.clone())));
     assert_eq!(channel("tags"), Some(&Column::List(tags)));
+    // Texture coordinates are known by their name, even if some faces have none or too many.
+    let mut partial = scan.clone();
+    let Some(Column::List(lists)) = (partial.face_channels.channels.iter_mut())
+        .find(|c| c.name == "texcoord")
+        .map(|c| &mut c.values)
+    else {
+        unreachable!();
+    };
+    lists[0] = Column::F32(vec![]);
+    lists[1] = Column::F32(vec![0.25; 5]);
+    let rows = repaired_rows(&partial);
+    assert_eq!(rows[7], expected[7]);
+    assert_eq!(rows[1], Column::F32(vec![0.25; 5]));
 }
 
 #[test]

@@ -120,6 +120,13 @@ pub enum ScanError {
         /// The feature of the build that it needs.
         feature: &'static str,
     },
+    /// This program was built with images.
+    #[cfg(not(feature = "image"))]
+    #[error("{name}: this relievo was built without images; build it with `--features image`")]
+    NoImagesBuiltIn {
+        /// The file.
+        name: String,
+    },
     /// A scan has vertices.
     #[error("{name} holds no vertices; export the scan with its points")]
     NoVertices {
@@ -230,6 +237,43 @@ pub enum ScanError {
     )]
     WouldOverwrite {
         /// The path of the output.
+        name: String,
+    },
+    /// Several files go to several names.
+    #[error(
+        "a mesh with a texture image cannot go to standard output: name a file that ends in .ply, .obj or .glb"
+    )]
+    TextureToStdout,
+    /// The format holds a texture image.
+    #[error("{name}: cannot write a texture image with this format; choose .ply, .obj or .glb")]
+    NoTextureFormat {
+        /// The path.
+        name: String,
+    },
+    /// A texture image goes with texture coordinates.
+    #[error(
+        "cannot write {name} with a texture image: the mesh has no texture coordinates; unwrap it in a modelling program first"
+    )]
+    NoTextureCoordinates {
+        /// The path.
+        name: String,
+    },
+    /// What lies beside an output is not replaced unless it is of an earlier one.
+    #[error(
+        "{name}, which belongs to {mesh}, is there already, and {mesh} is not; choose another name, or remove {name} first"
+    )]
+    Foreign {
+        /// The path of the output that there is.
+        name: String,
+        /// The path of the mesh that it goes with.
+        mesh: String,
+    },
+    /// Files name each other in plain text.
+    #[error(
+        "cannot write {name} with a texture image: other programs could not read such a name; choose one without line breaks and in UTF-8"
+    )]
+    UnusableName {
+        /// The path.
         name: String,
     },
     /// Somebody reads what is written to a pipe.

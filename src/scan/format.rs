@@ -7,7 +7,8 @@ use super::color::ColorLayout;
 use super::options::{ReadOptions, WriteOptions};
 use super::source::{Parsed, Source};
 use super::{
-    OutputFile, Scan, ScanError, e57, gltf, las, obj, off, pcd, ply, ptx, range_grid, stl, xyz,
+    OutputFile, Scan, ScanError, e57, gltf, las, obj, off, pcd, ply, ptx, range_grid, stl,
+    texture_coordinates, xyz,
 };
 
 /// A file format.
@@ -98,7 +99,7 @@ impl Format {
         )
     }
 
-    /// The channels of vertices that are not in a file of this format.
+    /// The channels of vertices, and texture coordinates of faces, that are not in a file of this format.
     fn loses(self, scan: &Scan) -> Vec<&str> {
         let channels = &scan.vertices.channels;
         let mut kept: Vec<usize> = Vec::new();
@@ -113,13 +114,22 @@ impl Format {
         {
             kept.extend(layout.channels);
         }
+        if self == Self::Obj && !scan.faces.is_empty() {
+            kept.extend(
+                texture_coordinates::of_vertices(&scan.vertices)
+                    .into_iter()
+                    .flatten(),
+            );
+        }
         // Those that keep all others say themselves what they cannot hold.
         let keeps_all = matches!(self, Self::Ply | Self::Gltf);
         let alpha = |name: &str| self == Self::Off && name == "alpha";
-        (channels.iter().enumerate())
+        let lost = (channels.iter().enumerate())
             .filter(|(k, c)| !keeps_all && !kept.contains(k) && !alpha(&c.name))
-            .map(|(_, c)| c.name.as_str())
-            .collect()
+            .map(|(_, c)| c.name.as_str());
+        let coordinates = scan.face_channels.channel(texture_coordinates::OF_CORNERS);
+        let coordinates = coordinates.filter(|_| !matches!(self, Self::Ply | Self::Obj));
+        lost.chain(coordinates.map(|c| c.name.as_str())).collect()
     }
 
     /// The format that the extension tells, in either case; `-`, which stands for standard input
@@ -335,9 +345,10 @@ pub fn write(scan: &Scan, path: &Path, options: &WriteOptions) -> Result<(), Sca
     output.commit()
 }
 
-/// Writes a scan; `name` stands for the file in errors. PLY keeps every channel; OBJ positions, colours and
-/// faces; OFF those and normals; STL positions and triangles, rounded to `float`; glTF (as GLB) positions,
-/// rounded to `float`, normals, colours, triangles, and every other channel that is a number. What is lost is
+/// Writes a scan; `name` stands for the file in errors. PLY keeps every channel; OBJ positions, colours,
+/// faces and texture coordinates; OFF positions, normals, colours and faces; STL positions and triangles, rounded
+/// to `float`; glTF (as GLB) positions, rounded to `float`, normals, colours, texture coordinates of vertices,
+/// triangles, and every other channel that is a number. What is lost is
 /// told by a warning.
 ///
 /// # Errors
@@ -360,10 +371,10 @@ pub fn write_to(
     }
     let written = match format {
         Format::Ply => ply::write(scan, writer, options.ascii),
-        Format::Obj => obj::write(scan, writer),
+        Format::Obj => obj::write(scan, None, writer),
         Format::Stl => stl::write(scan, writer),
         Format::Off => off::write(scan, writer),
-        Format::Gltf => gltf::write(scan, writer),
+        Format::Gltf => gltf::write(scan, None, writer),
         Format::Xyz | Format::Ptx | Format::Pcd | Format::E57 | Format::Las | Format::Depth => {
             return Err(ScanError::CannotWriteFormat {
                 name: name.to_owned(),

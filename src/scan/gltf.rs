@@ -36,7 +36,8 @@ const HARMLESS: [&str; 4] = [
 ///
 /// Positions are `float` if no node moves them, and else `double`. `COLOR_0` keeps its type and its
 /// values (which are linear intensities by the specification, though many programs write sRGB); where
-/// it is missing, textures and factors of materials become `uchar` colours in sRGB.
+/// it is missing, textures and factors of materials become `uchar` colours in sRGB. `TEXCOORD_0` becomes the
+/// channels `s` and `t`, from the lower left of the image.
 pub(super) fn read(source: &Source) -> Result<Scan, ScanError> {
     build(source).map_err(|reason| ScanError::Malformed {
         name: source.name.to_owned(),

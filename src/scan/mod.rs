@@ -6,10 +6,10 @@
 //! | format | in | out | kept |
 //! |---|---|---|---|
 //! | PLY | ASCII, binary, range grids, strips | binary little endian, ASCII | everything; the faces' list of vertices comes first and is called `vertex_indices`, elements are vertices, faces, others |
-//! | OBJ | yes | yes | positions, colours of vertices (in: or of textures), polygons; in: normals |
+//! | OBJ | yes | yes | positions, colours of vertices (in: or of textures), texture coordinates, polygons; in: normals |
 //! | OFF | ASCII | yes | positions, normals and colours of vertices, polygons |
 //! | STL | ASCII, binary | binary | positions (out: rounded to `float`), triangles |
-//! | glTF | text, binary | binary | positions (`float`), normals, colours (in: or of textures and materials), triangles; out: every number |
+//! | glTF | text, binary | binary | positions (`float`), normals, colours (in: or of textures and materials), texture coordinates of vertices, triangles; out: every number |
 //! | XYZ, PTS, CSV | text | no | every column |
 //! | PTX | text | no | positions, intensities, colours, grids, places of the scanner |
 //! | PCD | ASCII, binary, compressed | no | every field, grid, place of the sensor |
@@ -17,9 +17,12 @@
 //! | LAS | LAS, LAZ | no | positions, colours, properties of the standard, extra bytes |
 //! | depth images | PNG, TIFF | no | positions, colours of a second image, grid, place of the camera |
 //!
-//! Height maps of other instruments are no scans: [`read_height_map`] reads them, from text.
+//! Height maps of other instruments are no scans: [`read_height_map`] reads them, from text. Nor are images
+//! as such: [`read_image`] and [`write_png`].
 //!
-//! Numbers of text files other than PLY are `double`. Files are not trusted: whatever their bytes,
+//! [`TexturedOutput`] writes PLY, OBJ and GLB with a texture image.
+//!
+//! Numbers of text files other than PLY are `double`, texture coordinates `float`. Files are not trusted: whatever their bytes,
 //! [`read`] gives a scan that passes [`Scan::check`], or a [`ScanError`] that says what to do, and
 //! memory follows the size of the file, not what its header claims.
 
@@ -33,6 +36,7 @@ mod error;
 mod format;
 mod gltf;
 mod height_map;
+mod image;
 #[cfg(feature = "image")]
 mod image_file;
 mod las;
@@ -43,6 +47,7 @@ mod options;
 mod output;
 mod pcd;
 mod ply;
+pub(crate) mod png;
 mod ptx;
 mod range_grid;
 mod reference;
@@ -51,10 +56,13 @@ mod source;
 mod stl;
 mod text;
 mod texture;
+mod texture_coordinates;
+mod textured;
 mod triangulate;
 mod vertex_lists;
 mod xyz;
 
+pub use self::image::{Image, read_image, write_png};
 pub use append::Added;
 pub use channel::{Channel, Column, Table};
 pub use error::ScanError;
@@ -63,6 +71,7 @@ pub use height_map::{HeightMap, read_height_map};
 pub use options::{Intrinsics, ReadOptions, WriteOptions};
 pub use output::{OutputFile, abandon_outputs, same_file};
 pub use range_grid::RANGE_GRID;
+pub use textured::TexturedOutput;
 
 use nalgebra::Point3;
 
@@ -142,7 +151,7 @@ impl Scan {
     pub fn mesh(&self) -> TriMesh {
         let positions = self.positions();
         let mut triangles = self.split_faces(&positions);
-        triangles.retain(|[a, b, c]| a != b && b != c && c != a);
+        triangles.retain(texture_coordinates::is_proper);
         TriMesh {
             positions,
             triangles,

@@ -1,4 +1,4 @@
-//! Wavefront OBJ: vertices with colours and normals, and polygons.
+//! Wavefront OBJ: vertices with colours and normals, and polygons with texture coordinates.
 //!
 //! Our own parser, since the vertices must stay as they are: `tobj` stores `f32` unless the whole
 //! build is switched, regroups vertices by object, and drops those that no face uses.
@@ -7,20 +7,23 @@ mod colors;
 mod mtl;
 mod normals;
 
+use std::collections::HashMap;
 use std::io::{self, Write};
 
 use super::channel::{Scalar, match_column};
 use super::color::ColorLayout;
 use super::source::Source;
 use super::text::{line_error, lines, number, shown, table_of_doubles};
+use super::texture_coordinates::{Coordinates, OF_CORNERS, float};
 use super::{Column, Scan, ScanError};
 use colors::Surface;
 use mtl::split_word;
+pub(super) use mtl::write as write_library;
 use normals::Normals;
 
 /// Reads an OBJ file. Coordinates, colours and normals become `double` channels; where vertices have
-/// no colours, those of the materials and their textures become `uchar` channels. Lines, points and
-/// groups are dropped.
+/// no colours, those of the materials and their textures become `uchar` channels. Texture coordinates become
+/// a list of the faces. Lines, points and groups are dropped.
 pub(super) fn read(source: &Source) -> Result<Scan, ScanError> {
     let mut reader = Reader::default();
     let mut continued: Option<(usize, String)> = None;
@@ -164,6 +167,10 @@ impl Reader {
                 }
             }
         }
+        let faces = &self.scan.faces;
+        if let Some(coordinates) = self.surface.texture_coordinates(faces) {
+            (self.scan.face_channels).set_channel(OF_CORNERS, coordinates);
+        }
         for (count, what) in [
             (self.dropped.lines_and_points, "lines and points"),
             (self.dropped.weights, "weights of vertices"),
@@ -191,9 +198,16 @@ fn texture_coordinates<'a>(mut tokens: impl Iterator<Item = &'a str>) -> [f64; 2
     [(); 2].map(|()| tokens.next().and_then(f64::parse).unwrap_or(0.0))
 }
 
-/// Writes positions, colours and faces. Whole-number colours become intensities from 0 to 1.
-pub(super) fn write(scan: &Scan, out: &mut impl Write) -> io::Result<()> {
-    let layout = ColorLayout::of(&scan.vertices);
+/// Writes positions, colours, faces and their texture coordinates. Whole-number colours become intensities
+/// from 0 to 1.
+///
+/// With a material, the name of whose library is given, there are no colours of vertices: readers would
+/// take them, or mix both.
+pub(super) fn write(scan: &Scan, library: Option<&str>, out: &mut impl Write) -> io::Result<()> {
+    if let Some(library) = library {
+        writeln!(out, "mtllib {library}")?;
+    }
+    let layout = ColorLayout::of(&scan.vertices).filter(|_| library.is_none());
     let colors: Vec<&Column> = layout
         .iter()
         .flat_map(|l| l.channels.map(|c| &scan.vertices.channels[c].values))
@@ -224,17 +238,66 @@ pub(super) fn write(scan: &Scan, out: &mut impl Write) -> io::Result<()> {
         line.push(b'\n');
         out.write_all(&line)?;
     }
-    for face in scan.faces.rows() {
+    write_faces(scan, library.is_some(), out)
+}
+
+/// Writes the different texture coordinates, and the faces.
+fn write_faces(scan: &Scan, with_material: bool, out: &mut impl Write) -> io::Result<()> {
+    let coordinates = Coordinates::of(scan);
+    let of_face = |number: usize, face: &[u32]| {
+        let places = coordinates
+            .map(|c| c.face(number, face))
+            .unwrap_or_default();
+        places
+            .into_iter()
+            .map(|place| place.map(f64::to_bits))
+            .collect::<Vec<_>>()
+    };
+    let mut line = Vec::new();
+    let mut numbers: HashMap<[u64; 2], usize> = HashMap::new();
+    for (number, face) in scan.faces.rows().enumerate() {
+        for place in of_face(number, face) {
+            let next = numbers.len() + 1;
+            if *numbers.entry(place).or_insert(next) == next {
+                line.clear();
+                line.extend_from_slice(b"vt");
+                for value in place.map(f64::from_bits) {
+                    line.push(b' ');
+                    push_shortest(value, &mut line);
+                }
+                line.push(b'\n');
+                out.write_all(&line)?;
+            }
+        }
+    }
+    if with_material {
+        writeln!(out, "usemtl {}", mtl::TEXTURE)?;
+    }
+    for (number, face) in scan.faces.rows().enumerate() {
         line.clear();
         line.push(b'f');
-        for index in face {
+        let places = of_face(number, face);
+        for (corner, index) in face.iter().enumerate() {
             // u64: index 2^32 - 1 is vertex 2^32 there.
             write!(line, " {}", u64::from(*index) + 1)?;
+            if let Some(place) = places.get(corner).and_then(|place| numbers.get(place)) {
+                write!(line, "/{place}")?;
+            }
         }
         line.push(b'\n');
         out.write_all(&line)?;
     }
     Ok(())
+}
+
+/// Pushes the shortest text of a number, which is mostly a `float` of the file.
+fn push_shortest(value: f64, line: &mut Vec<u8>) {
+    let single = float(value);
+    if f64::from(single).to_bits() == value.to_bits() {
+        single.push_ascii(line);
+    } else {
+        value.push_ascii(line);
+    }
 }
 
 fn push_value(column: &Column, row: usize, line: &mut Vec<u8>) {
@@ -296,7 +359,7 @@ mod tests {
         );
         assert_eq!(first.colors().unwrap()[..1], [[0.5, 0.25, 1.0]]);
         let mut out = Vec::new();
-        write(&first, &mut out).unwrap();
+        write(&first, None, &mut out).unwrap();
         assert_eq!(String::from_utf8(out.clone()).unwrap(), text);
         assert_eq!(read_bytes(&out).unwrap(), first);
     }
@@ -306,7 +369,7 @@ mod tests {
         let text = "v 0 0 0 0.12345678901 0 1\n";
         for text in [text, "v 0 0 0 255 127.5 0\n"] {
             let mut out = Vec::new();
-            write(&scan(text).unwrap(), &mut out).unwrap();
+            write(&scan(text).unwrap(), None, &mut out).unwrap();
             assert_eq!(String::from_utf8(out).unwrap(), text);
         }
         let mut bytes = scan(text).unwrap();
@@ -314,7 +377,7 @@ mod tests {
             bytes.vertices.set_channel(name, Column::U8(vec![51]));
         }
         let mut out = Vec::new();
-        write(&bytes, &mut out).unwrap();
+        write(&bytes, None, &mut out).unwrap();
         assert_eq!(out, b"v 0 0 0 0.2 0.2 0.2\n");
     }
 

@@ -134,6 +134,43 @@ impl OutputFile {
         result.map_err(|source| self.error(source))
     }
 
+    /// Makes several outputs appear in their order, or none of them: if one cannot, those before it are removed
+    /// again. Files that one of those has replaced do not come back.
+    ///
+    /// # Errors
+    /// [`ScanError::Write`]; the temporary files are removed then.
+    pub fn commit_all(mut outputs: Vec<Self>) -> Result<(), ScanError> {
+        // Most of what can fail does here, where nothing has its name yet.
+        for output in &mut outputs {
+            let settled = match &mut output.sink {
+                Sink::Held(Some(held)) => held.settle(),
+                _ => output.flush(),
+            };
+            settled.map_err(|source| output.error(source))?;
+        }
+        let mut appeared: Vec<PathBuf> = Vec::new();
+        for output in outputs {
+            let target = output.target().filter(|target| !target.exists());
+            let target = target.map(Path::to_owned);
+            if let Err(error) = output.commit() {
+                for target in &appeared {
+                    let _ = fs::remove_file(target);
+                }
+                return Err(error);
+            }
+            appeared.extend(target);
+        }
+        Ok(())
+    }
+
+    /// The file that it becomes, if it is held back.
+    fn target(&self) -> Option<&Path> {
+        match &self.sink {
+            Sink::Held(held) => held.as_ref().map(|held| held.target.as_path()),
+            Sink::Device(_) | Sink::Stdout(_) => None,
+        }
+    }
+
     /// Wraps an error of writing to this output so that it names the file.
     #[must_use]
     pub fn error(&self, source: io::Error) -> ScanError {
@@ -193,10 +230,14 @@ impl Held {
         }
     }
 
-    fn finish(mut self) -> io::Result<()> {
+    fn settle(&mut self) -> io::Result<()> {
         self.file.flush()?;
         // Full disks and quotas may only be noticed here.
-        self.file.get_ref().sync_data()?;
+        self.file.get_ref().sync_data()
+    }
+
+    fn finish(mut self) -> io::Result<()> {
+        self.settle()?;
         let mut known = temporaries();
         fs::rename(&self.temporary, &self.target)?;
         known.remove(&self.temporary);
@@ -304,6 +345,22 @@ mod tests {
         fs::create_dir(&path).unwrap();
         assert!(matches!(output.commit(), Err(ScanError::Write { .. })));
         assert_eq!(names(folder.path()), ["a.ply"]);
+    }
+
+    #[test]
+    fn several_outputs_appear_together_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let open = |name: &str| OutputFile::create(&folder.path().join(name), None).unwrap();
+        let outputs = vec![open("a.png"), open("b.mtl"), open("c.obj")];
+        // A folder takes the last one's name meanwhile.
+        fs::create_dir(folder.path().join("c.obj")).unwrap();
+        assert!(OutputFile::commit_all(outputs).is_err());
+        assert_eq!(names(folder.path()), ["c.obj"]);
+        let mut outputs = vec![open("a.png"), open("b.mtl")];
+        outputs[0].write_all(b"pixels").unwrap();
+        OutputFile::commit_all(outputs).unwrap();
+        assert_eq!(names(folder.path()), ["a.png", "b.mtl", "c.obj"]);
+        assert_eq!(fs::read(folder.path().join("a.png")).unwrap(), b"pixels");
     }
 
     #[test]

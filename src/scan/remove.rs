@@ -1,6 +1,7 @@
 //! A scan without some of its vertices or faces, and the channels of faces that are turned.
 
 use super::channel::match_column;
+use super::texture_coordinates::OF_CORNERS;
 use super::{Column, Scan, Table};
 use crate::mesh::Csr;
 
@@ -65,7 +66,8 @@ impl Scan {
     /// Turns the channels of faces that hold something for every corner, as texture coordinates do: of the
     /// turned ones of `faces`, which the rows stand for. The first corner stays the first.
     ///
-    /// Such are lists with the same number of values a corner in every face that has any.
+    /// Such are lists with the same number of values a corner in every face that has any, and texture
+    /// coordinates.
     ///
     /// # Panics
     /// If `turned` or `faces` have not one entry a row of the channels.
@@ -74,11 +76,12 @@ impl Scan {
             let Column::List(lists) = &mut channel.values else {
                 continue;
             };
-            let Some(per_corner) = per_corner(lists, faces) else {
+            let of_texture = (channel.name == OF_CORNERS).then_some(2);
+            let Some(per_corner) = of_texture.or_else(|| per_corner(lists, faces)) else {
                 continue;
             };
-            for (list, turned) in lists.iter_mut().zip(turned) {
-                if *turned && !list.is_empty() {
+            for (f, (list, turned)) in lists.iter_mut().zip(turned).enumerate() {
+                if *turned && list.len() == per_corner * faces.row(f).len() {
                     list.turn(per_corner);
                 }
             }
@@ -99,7 +102,7 @@ fn per_corner(lists: &[Column], faces: &Csr) -> Option<usize> {
 
 impl Table {
     /// The given rows of every column.
-    fn rows_of(&self, rows: &[u32]) -> Self {
+    pub(super) fn rows_of(&self, rows: &[u32]) -> Self {
         let mut table = self.clone();
         table.rows = rows.len();
         for (channel, old) in table.channels.iter_mut().zip(&self.channels) {

@@ -11,6 +11,7 @@ use super::json::{Document, Primitive};
 use crate::scan::channel::Scalar;
 use crate::scan::source::Source;
 use crate::scan::text::table_of_doubles;
+use crate::scan::texture_coordinates::OF_VERTICES;
 use crate::scan::{Column, Scan};
 
 /// Vertices and corners that nodes may repeat beyond what the buffers hold. A scene can show one mesh
@@ -27,6 +28,8 @@ pub(super) struct Builder<'a> {
     /// Whether all positions are `float` numbers of the file.
     untouched: bool,
     normals: Vec<[f64; 3]>,
+    /// u, and v from the bottom; NaN for vertices without. Too short if the last ones have none.
+    coordinates: Vec<[f64; 2]>,
     colors: Colors<'a>,
     /// Attributes of the application that all primitives have, by name.
     others: BTreeMap<String, (Component, Vec<f64>)>,
@@ -51,6 +54,7 @@ impl<'a> Builder<'a> {
             positions: Vec::new(),
             untouched: true,
             normals: Vec::new(),
+            coordinates: Vec::new(),
             colors: Colors::new(document, buffers, source),
             others: BTreeMap::new(),
             room: MOST_REPEATED.saturating_add(buffers.size()),
@@ -160,6 +164,11 @@ impl<'a> Builder<'a> {
                         .extend(numbers.triples().map(|n| turned(n, turn.as_ref())));
                 }
                 "COLOR_0" => self.colors.keep(&numbers),
+                "TEXCOORD_0" => {
+                    self.coordinates.resize(first, [f64::NAN; 2]);
+                    let places = numbers.values.chunks_exact(2);
+                    self.coordinates.extend(places.map(|c| [c[0], 1.0 - c[1]]));
+                }
                 _ if name.starts_with('_') && numbers.width == 1 => {
                     let channel = name.trim_start_matches('_').to_lowercase();
                     let (component, values) = self
@@ -249,6 +258,14 @@ impl<'a> Builder<'a> {
             }
         } else if !self.normals.is_empty() {
             log::warn!("{name}: normals dropped, since only some meshes have them");
+        }
+        if !self.coordinates.is_empty() {
+            let mut coordinates = self.coordinates;
+            coordinates.resize(rows, [f64::NAN; 2]);
+            for (k, channel) in OF_VERTICES[0].into_iter().enumerate() {
+                let values: Vec<f64> = coordinates.iter().map(|c| c[k]).collect();
+                table.set_channel(channel, floats(&values));
+            }
         }
         self.colors.finish(table, name);
         for (channel, (component, values)) in self.others {

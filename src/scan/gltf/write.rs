@@ -8,6 +8,7 @@ use super::{BINARY_CHUNK, JSON_CHUNK, MAGIC};
 use crate::mesh::bounding_diagonal;
 use crate::scan::channel::Scalar;
 use crate::scan::color::{ColorLayout, full_alpha};
+use crate::scan::texture_coordinates::of_vertices;
 use crate::scan::{Column, Scan, Table};
 
 /// Rounding of positions that is worth a warning, as a part of the diagonal of the scan: coarser than
@@ -16,10 +17,18 @@ const WORTH_WARNING: f64 = 1e-6;
 
 /// Writes triangles (points, if there are no faces) with positions, normals and colours; the other
 /// scalar channels become attributes of the application (`completed` is `_COMPLETED`). All numbers are
-/// `float`, but colours, which are 8-bit, or 16-bit where the scan's are.
-pub(in crate::scan) fn write(scan: &Scan, out: &mut impl Write) -> io::Result<()> {
+/// `float`, but colours, which are 8-bit, or 16-bit where the scan's are. Texture coordinates of vertices are
+/// `TEXCOORD_0` if there are faces.
+///
+/// With a texture image, the bytes of a PNG file, the colours of vertices are left out: they would be
+/// multiplied with it (*glTF 2.0*, section 3.9.2).
+pub(in crate::scan) fn write(
+    scan: &Scan,
+    texture: Option<&[u8]>,
+    out: &mut impl Write,
+) -> io::Result<()> {
     let mut file = File::default();
-    let attributes = file.attributes(scan);
+    let attributes = file.attributes(scan, texture.is_none());
     let mut primitive = json!({ "attributes": attributes, "mode": 0 });
     let triangles = scan.triangles();
     if !triangles.is_empty() {
@@ -28,23 +37,36 @@ pub(in crate::scan) fn write(scan: &Scan, out: &mut impl Write) -> io::Result<()
             .flatten()
             .flat_map(|v| v.to_le_bytes())
             .collect();
-        let view = file.view(&indices, 34963, None);
+        let view = file.view(&indices, Some(34963), None);
         file.accessors.push(json!({
             "bufferView": view, "componentType": 5125, "count": triangles.len() * 3, "type": "SCALAR",
         }));
         primitive["indices"] = json!(file.accessors.len() - 1);
         primitive["mode"] = json!(4);
     }
-    let document = json!({
+    let mut document = json!({
         "asset": { "version": "2.0", "generator": "relievo" },
         "scene": 0,
         "scenes": [{ "nodes": [0] }],
         "nodes": [{ "mesh": 0 }],
         "meshes": [{ "primitives": [primitive] }],
         "accessors": file.accessors,
-        "bufferViews": file.views,
-        "buffers": [{ "byteLength": file.bytes.len() }],
     });
+    if let Some(png) = texture {
+        document["meshes"][0]["primitives"][0]["material"] = json!(0);
+        document["materials"] = json!([{ "pbrMetallicRoughness": {
+            "baseColorTexture": { "index": 0 }, "metallicFactor": 0, "roughnessFactor": 1,
+        }}]);
+        document["textures"] = json!([{ "source": 0, "sampler": 0 }]);
+        // Linear between pixels and smaller images, which repeat (section 5.26).
+        document["samplers"] = json!([
+            { "magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497 },
+        ]);
+        let view = file.view(png, None, None);
+        document["images"] = json!([{ "bufferView": view, "mimeType": "image/png" }]);
+    }
+    document["bufferViews"] = json!(file.views);
+    document["buffers"] = json!([{ "byteLength": file.bytes.len() }]);
     let mut json = serde_json::to_vec(&document)?;
     json.resize(json.len().next_multiple_of(4), b' ');
     let too_large = || io::Error::other("the scan is too large for GLB, which ends at 4 GiB");
@@ -74,10 +96,13 @@ struct File {
 
 impl File {
     /// Adds a buffer view, which begins and ends at a multiple of four bytes.
-    fn view(&mut self, bytes: &[u8], target: u32, stride: Option<usize>) -> usize {
+    fn view(&mut self, bytes: &[u8], target: Option<u32>, stride: Option<usize>) -> usize {
         let mut view = json!({
-            "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len(), "target": target,
+            "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len(),
         });
+        if let Some(target) = target {
+            view["target"] = json!(target);
+        }
         if let Some(stride) = stride {
             view["byteStride"] = json!(stride);
         }
@@ -90,7 +115,7 @@ impl File {
     /// Adds an accessor of `float` numbers.
     fn floats(&mut self, kind: &str, rows: usize, values: &[f32]) -> &mut Value {
         let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
-        let view = self.view(&bytes, 34962, None);
+        let view = self.view(&bytes, Some(34962), None);
         self.push(json!({
             "bufferView": view, "componentType": 5126, "count": rows, "type": kind,
         }))
@@ -103,7 +128,7 @@ impl File {
     }
 
     /// Adds the vertices; gives the attributes of the primitive.
-    fn attributes(&mut self, scan: &Scan) -> Value {
+    fn attributes(&mut self, scan: &Scan, with_colors: bool) -> Value {
         let table = &scan.vertices;
         let mut attributes = json!({});
         let mut used = vec!["x", "y", "z"];
@@ -130,12 +155,36 @@ impl File {
             attributes["NORMAL"] = json!(self.accessors.len() - 1);
         }
         if let Some(layout) = ColorLayout::of(table) {
-            self.colors(scan, &layout);
-            attributes["COLOR_0"] = json!(self.accessors.len() - 1);
+            if with_colors {
+                self.colors(scan, &layout);
+                attributes["COLOR_0"] = json!(self.accessors.len() - 1);
+            }
             let names = layout.channels.map(|c| table.channels[c].name.as_str());
             used.extend(names);
             used.push("alpha");
         }
+        if let Some(channels) = of_vertices(table).filter(|_| !scan.faces.is_empty()) {
+            used.extend(channels.map(|c| table.channels[c].name.as_str()));
+            self.texture_coordinates(table, channels);
+            attributes["TEXCOORD_0"] = json!(self.accessors.len() - 1);
+        }
+        self.others(table, &used, &mut attributes);
+        attributes
+    }
+
+    /// Adds texture coordinates, whose v runs down; 0 where there are none.
+    fn texture_coordinates(&mut self, table: &Table, channels: [usize; 2]) {
+        let [u, v] = channels.map(|c| &table.channels[c].values);
+        let value = |column: &Column, row| column.get_f64(row).unwrap_or_default();
+        let rows = (0..table.rows).flat_map(|row| [value(u, row), 1.0 - value(v, row)]);
+        let values: Vec<f32> = (rows.map(Scalar::rounded))
+            .map(|c: f32| if c.is_finite() { c } else { 0.0 })
+            .collect();
+        self.floats("VEC2", table.rows, &values);
+    }
+
+    /// Adds the other channels as attributes of the application.
+    fn others(&mut self, table: &Table, used: &[&str], attributes: &mut Value) {
         for channel in table
             .channels
             .iter()
@@ -157,7 +206,6 @@ impl File {
                 ),
             }
         }
-        attributes
     }
 
     fn colors(&mut self, scan: &Scan, layout: &ColorLayout) {
@@ -184,7 +232,7 @@ impl File {
             bytes.resize(bytes.len().next_multiple_of(4), 0);
         }
         let stride = bytes.len() / table.rows.max(1);
-        let view = self.view(&bytes, 34962, Some(stride));
+        let view = self.view(&bytes, Some(34962), Some(stride));
         self.push(json!({
             "bufferView": view,
             "componentType": if is_16_bit { 5123 } else { 5121 },
@@ -260,7 +308,7 @@ mod tests {
 
     fn glb(scan: &Scan) -> Vec<u8> {
         let mut out = Vec::new();
-        write(scan, &mut out).unwrap();
+        write(scan, None, &mut out).unwrap();
         out
     }
 

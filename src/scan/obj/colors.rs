@@ -4,8 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::mtl::{self, Map, Material};
 use crate::mesh::Csr;
+use crate::scan::Column;
 use crate::scan::source::Source;
 use crate::scan::texture::{Textures, Wrap, rounded};
+use crate::scan::texture_coordinates::{float, listed};
 
 /// No texture coordinate, or no material.
 const NONE: u32 = u32::MAX;
@@ -83,10 +85,6 @@ impl Surface {
         let name = source.name;
         let (paints, textures) = self.paints(source);
         if !worth_showing(&paints) {
-            let count = self.coordinates.len();
-            if count > 0 {
-                log::warn!("{name}: {count} texture coordinates dropped, since no image was read");
-            }
             return None;
         }
         let mut looks = self.looks(faces, vertices);
@@ -122,6 +120,26 @@ impl Surface {
             );
         }
         Some(colors)
+    }
+
+    /// For each face the list of its corners' texture coordinates, empty if one has none; `None` if all are.
+    pub(super) fn texture_coordinates(&self, faces: &Csr) -> Option<Column> {
+        let mut corners = self.corners.iter();
+        let mut any = false;
+        let lists = faces.rows().map(|face| {
+            let place = |corner: Option<&u32>| {
+                let place = self.coordinates.get(*corner? as usize)?;
+                let is_finite = place.iter().all(|c| float(*c).is_finite());
+                is_finite.then_some(*place)
+            };
+            let places: Vec<Option<[f64; 2]>> =
+                face.iter().map(|_| place(corners.next())).collect();
+            let places: Option<Vec<[f64; 2]>> = places.into_iter().collect();
+            any |= places.is_some();
+            listed(&places.unwrap_or_default())
+        });
+        let lists = lists.collect();
+        any.then_some(Column::List(lists))
     }
 
     /// Vertex, material and texture coordinate of each corner.

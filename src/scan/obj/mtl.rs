@@ -3,6 +3,8 @@
 //! Reference: *Object Files (.obj)* and *Material Library File (.mtl)*, Wavefront, appendices B1 and
 //! B2 of the Advanced Visualizer manual, 1995.
 
+use std::io::{self, Write};
+
 use crate::scan::channel::Scalar;
 use crate::scan::text::lines;
 
@@ -45,6 +47,18 @@ const OPTIONS: [(&str, usize, bool); 13] = [
     ("-texres", 1, true),
     ("-type", 1, false),
 ];
+
+/// Name of the material of [`write`].
+pub(super) const TEXTURE: &str = "texture";
+
+/// Writes a library of one material with a texture image.
+pub(in crate::scan) fn write(image: &str, out: &mut impl Write) -> io::Result<()> {
+    // White, since the colour is multiplied with the image; no highlights.
+    write!(
+        out,
+        "newmtl {TEXTURE}\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd {image}\n"
+    )
+}
 
 /// The materials of a library, in its order. Lines that cannot be understood are passed over: a
 /// missing colour is no reason to refuse a scan.

@@ -177,3 +177,24 @@ fn attributes_of_the_application_become_channels_if_all_vertices_have_them() {
     assert_eq!(scan.vertices.column("height"), None);
     assert_eq!(scan.vertices.column("class").unwrap().len(), 8);
 }
+
+#[test]
+fn texture_coordinates_run_up_and_may_be_missing() {
+    let mut document = Document::square();
+    let places = document.floats(2, &[0.0, 0.0, 0.5, 0.25, 0.75, 1.0, 1.5, -1.0]);
+    document.mesh(&json!([
+        { "attributes": { "POSITION": 0 }, "mode": 5 },
+        { "attributes": { "POSITION": 0, "TEXCOORD_0": places }, "mode": 5 },
+        { "attributes": { "POSITION": 0 }, "material": 0, "mode": 5 }
+    ]));
+    let scan = document.read();
+    let rows = scan.texture_coordinates().unwrap();
+    assert_eq!(rows.len(), 6);
+    let finite: Vec<bool> = rows
+        .iter()
+        .map(|row| row.as_flattened()[0].is_finite())
+        .collect();
+    assert_eq!(finite, [false, false, true, true, false, false]);
+    assert_eq!(rows[2], [[0.0, 1.0], [0.5, 0.75], [0.75, 0.0]]);
+    assert!(rows[3].contains(&[1.5, 2.0]));
+}
