@@ -172,7 +172,8 @@ impl Tree {
 
 /// Squared distance of two rows, summed up in a fixed order.
 #[inline(always)]
-fn distance_sq(a: &[f32], b: &[f32]) -> f32 {
+#[must_use]
+pub fn distance_sq(a: &[f32], b: &[f32]) -> f32 {
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
     let mut sums = [0.0; LANES];
     for (a, b) in a.iter().zip(b) {
@@ -187,7 +188,11 @@ fn distance_sq(a: &[f32], b: &[f32]) -> f32 {
 }
 
 fn norm(values: &[f32]) -> f32 {
-    values.iter().map(|v| v * v).sum::<f32>().sqrt()
+    norm_sq(values).sqrt()
+}
+
+pub(super) fn norm_sq(values: &[f32]) -> f32 {
+    values.iter().map(|v| v * v).sum()
 }
 
 /// Sorts rows into a subtree: those of a left half before those of its right half.
@@ -234,7 +239,7 @@ fn widest(components: &[f32], width: usize, numbers: &[u32]) -> usize {
 
 /// Onto an orthonormal basis of fewer dimensions.
 #[derive(Debug, Clone)]
-struct Projection {
+pub(super) struct Projection {
     mean: Vec<f64>,
     /// Components by dimensions.
     basis: Vec<f64>,
@@ -243,7 +248,7 @@ struct Projection {
 impl Projection {
     /// Onto about the first principal components of some of the rows, by falling variance; zeros
     /// follow if there are fewer dimensions.
-    fn principal(rows: &[f32], dimensions: usize, components: usize) -> Self {
+    pub(super) fn principal(rows: &[f32], dimensions: usize, components: usize) -> Self {
         let count = rows.len() / dimensions;
         let picked = count.clamp(1, SUBSET);
         let mut data = DMatrix::from_fn(picked, dimensions, |i, j| {
@@ -278,7 +283,7 @@ impl Projection {
 
     /// The components of a row.
     #[expect(clippy::cast_possible_truncation, reason = "stored as f32")]
-    fn apply(&self, row: &[f32]) -> impl Iterator<Item = f32> {
+    pub(super) fn apply(&self, row: &[f32]) -> impl Iterator<Item = f32> {
         let centred: Vec<f64> = (row.iter().zip(&self.mean))
             .map(|(value, mean)| f64::from(*value) - mean)
             .collect();
