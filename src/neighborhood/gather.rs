@@ -174,31 +174,20 @@ impl Walker {
             stencil,
             among,
         } = *view;
-        self.values.resize(channels.count, 0.0);
-        self.reached.resize(stencil.len(), None);
-        let start = surface.start(place);
-        for j in offsets {
-            let j = j as usize;
-            let reached = if j == 0 {
-                Some(start)
-            } else {
-                let parent = self.reached[stencil.parents()[j] as usize];
-                parent.and_then(|parent| surface.step(&parent, stencil.offsets()[j]))
-            };
-            self.reached[j] = reached;
+        let Self { reached, values } = self;
+        values.resize(channels.count, 0.0);
+        walk_over(reached, surface, stencil, place, offsets, |j, reached| {
             let reading = reached.and_then(|reached| {
                 let corners = surface.corners(reached.triangle());
-                let known = channels.read(corners, reached.weights(), among, &mut self.values);
+                let known = channels.read(corners, reached.weights(), among, values);
                 known.then_some(Reading {
                     view,
                     reached,
-                    values: &self.values,
+                    values,
                 })
             });
-            if each(j, reading).is_break() {
-                return;
-            }
-        }
+            each(j, reading)
+        });
     }
 
     /// Reads a neighborhood: values and mask of the first `count` offsets; the rest is unknown.
@@ -216,6 +205,37 @@ impl Walker {
             }
             ControlFlow::Continue(())
         });
+    }
+}
+
+/// Walks from `place` to offsets of the stencil, ascending numbers with the parents of each among them: `each`
+/// hears the number of an offset and where it lies (`None` where the surface does not lead there), and may
+/// break off. `reached` is memory that is kept between calls.
+///
+/// # Panics
+/// If an offset comes before its parent.
+#[inline]
+pub(super) fn walk_over(
+    reached: &mut Vec<Option<Reached>>,
+    surface: &Surface,
+    stencil: &Stencil,
+    place: &Place,
+    offsets: impl Iterator<Item = u32>,
+    mut each: impl FnMut(usize, Option<Reached>) -> ControlFlow<()>,
+) {
+    reached.resize(stencil.len(), None);
+    let start = surface.start(place);
+    for j in offsets {
+        let j = j as usize;
+        reached[j] = if j == 0 {
+            Some(start)
+        } else {
+            let parent = reached[stencil.parents()[j] as usize];
+            parent.and_then(|parent| surface.step(&parent, stencil.offsets()[j]))
+        };
+        if each(j, reached[j]).is_break() {
+            return;
+        }
     }
 }
 

@@ -3,8 +3,10 @@
 
 mod descriptor;
 mod frame;
+mod flatten;
 mod frame_field;
 mod gather;
+mod spots;
 mod stencil;
 mod surface;
 mod window;
@@ -13,6 +15,7 @@ pub use descriptor::{Descriptor, Mask};
 pub use frame::{Frame, local_frames};
 pub use frame_field::smooth_frames;
 pub use gather::{Among, Channels, Reading, View, Walker};
+pub use spots::Spots;
 pub use stencil::Stencil;
 pub use surface::{Place, Surface};
 pub use window::{Window, gaussian_weight, window_sigma};

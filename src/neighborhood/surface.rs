@@ -140,6 +140,34 @@ impl Surface {
         })
     }
 
+    /// The surface as a mesh, its triangles in the order of their numbers here.
+    #[must_use]
+    pub fn mesh(&self) -> TriMesh {
+        TriMesh {
+            positions: self.positions.clone(),
+            triangles: self.triangles(),
+        }
+    }
+
+    /// The corners of all triangles.
+    #[must_use]
+    pub fn triangles(&self) -> Vec<[u32; 3]> {
+        self.flats.iter().map(|flat| flat.corners).collect()
+    }
+
+    /// Positions of the vertices.
+    #[must_use]
+    pub fn positions(&self) -> &[Point3<f64>] {
+        &self.positions
+    }
+
+    /// The triangle across the edge from corner `edge` of a triangle to the next one; `None` where the surface
+    /// ends.
+    pub(super) fn across(&self, triangle: u32, edge: usize) -> Option<u32> {
+        let across = self.flats[triangle as usize].across[edge];
+        (across != NONE).then_some(across >> 2)
+    }
+
     /// The corners of a triangle.
     #[must_use]
     pub fn corners(&self, triangle: u32) -> [u32; 3] {
