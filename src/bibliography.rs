@@ -34,6 +34,13 @@
 //! X. Tong, J. Zhang, L. Liu, X. Wang, B. Guo, H.-Y. Shum: *Synthesis of bidirectional texture
 //! functions on arbitrary surfaces.* ACM Transactions on Graphics 21(3), 665–672, 2002.
 //!
+//! # Lefebvre & Hoppe 2005
+//! S. Lefebvre, H. Hoppe: *Parallel controllable texture synthesis.* ACM Transactions on Graphics 24(3), 777–786, 2005.
+//!
+//! # Kaspar et al. 2015
+//! A. Kaspar, B. Neubert, D. Lischinski, M. Pauly, J. Kopf: *Self tuning texture optimization.* Computer Graphics Forum
+//! 34(2), 349–359, 2015.
+//!
 //! # Lucas & Kanade 1981
 //! B. D. Lucas, T. Kanade: *An iterative image registration technique with an application to stereo
 //! vision.* International Joint Conference on Artificial Intelligence (IJCAI), 674–679, 1981.

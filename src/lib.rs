@@ -7,6 +7,7 @@
 //! | room | in → out | source |
 //! |---|---|---|
 //! | [`rng`] | seed → Mersenne twister, the only door to randomness | Matsumoto & Nishimura 1998 |
+//! | [`progress`] | what a long computation says while it runs | |
 //! | [`mesh`] | triangle mesh, adjacency, boundary loops, normals, invariant check | |
 //! | [`scan`] | file → [`scan::Scan`] (vertices, faces, every channel) and back | PLY, OBJ, STL, OFF, glTF, XYZ, PTX, PCD, E57, LAS, depth images |
 //! | [`repair`] | scan → the same vertices with faces that can be completed, and what was done | |
@@ -18,6 +19,7 @@
 //! | [`matching`] | neighborhood + samples → best matches over all rotations | §3; [`bibliography#patchmatch-2009`] |
 //! | [`likeness`] | surface + piece → how far the piece is from the rest, in units of natural variation | ISO 25178-2 |
 //! | [`completion`] | scan → completed scan, grown from the front inwards | Appendix A |
+//! | [`texture`] | sample + mesh → the mesh with that texture, in color or as relief | [`bibliography#wei--levoy-2001`] |
 //! | [`stats`] | completed scan → original against completed part in figures; height map → areal parameters | Table 1, Fig. 13; ISO 25178-2 |
 //! | [`evaluation`] | scan → holes cut, completed, and judged by the surface's own variation | |
 //! | [`picture`] | scan and its channels → picture, drawn on the processor; computes no figures | |
@@ -29,6 +31,7 @@
 
 pub mod bibliography;
 pub mod rng;
+pub mod progress;
 pub mod mesh;
 pub mod scan;
 pub mod repair;
@@ -40,6 +43,7 @@ pub mod neighborhood;
 pub mod matching;
 pub mod likeness;
 pub mod completion;
+pub mod texture;
 pub mod stats;
 pub mod evaluation;
 pub mod picture;

@@ -24,6 +24,8 @@ pub enum Stage {
     Evaluation = 6,
     /// Places at which relief is read to choose parameters.
     Suiting = 7,
+    /// The order in which a mesh is textured, and the values that it begins with.
+    Texture = 8,
 }
 
 /// A stream of random numbers.

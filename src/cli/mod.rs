@@ -22,6 +22,7 @@ mod report;
 mod scores;
 mod stats;
 mod synth;
+mod texture;
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -89,6 +90,8 @@ enum Command {
     Stats(stats::Arguments),
     /// Make a test scan with known truth: by default with a hole, or --full, or seen from one side
     Synth(synth::Arguments),
+    /// Put the texture of a sample, an image or a scan, all over a mesh: in colour, or as relief
+    Texture(texture::Arguments),
 }
 
 /// Runs the command line and gives its exit code.
@@ -135,6 +138,7 @@ pub(crate) fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         Command::Render(arguments) => render::run(arguments, &common),
         Command::Stats(arguments) => stats::run(arguments, &common),
         Command::Synth(arguments) => synth::run(arguments, &common),
+        Command::Texture(arguments) => texture::run(arguments, &common),
     };
     Outcome::of(name, input, reply).deliver(report)
 }
@@ -161,10 +165,14 @@ impl Command {
             Self::Render(a) => ("render", Some(&a.input), Some(&a.output)),
             Self::Stats(a) => ("stats", Some(&a.input), None),
             Self::Synth(a) => ("synth", None, Some(&a.output)),
+            Self::Texture(a) => ("texture", Some(&a.input), Some(&a.output)),
         };
         let mut inputs: Vec<&Path> = input.into_iter().flat_map(reading::Input::files).collect();
         if let Self::Compare(a) = self {
             inputs.extend(a.other.as_deref());
+        }
+        if let Self::Texture(a) = self {
+            inputs.extend(a.others());
         }
         Files {
             command,

@@ -132,6 +132,6 @@ fn values(scan: &Scan, name: &str) -> Option<Vec<f64>> {
     clippy::cast_sign_loss,
     reason = "saturating"
 )]
-fn byte(share: f64) -> u8 {
+pub(super) fn byte(share: f64) -> u8 {
     (255.0 * share).round() as u8
 }

@@ -110,7 +110,7 @@ fn yes_or_no(value: bool) -> String {
 }
 
 /// A parameter as the JSON has it, without its punctuation.
-fn plain<T: serde::Serialize>(value: &T) -> String {
+pub(super) fn plain<T: serde::Serialize>(value: &T) -> String {
     fn words(value: &Value) -> String {
         match value {
             Value::String(text) => text.clone(),
