@@ -2,6 +2,8 @@
 #![allow(dead_code, reason = "each test crate uses its own share")]
 
 pub(crate) mod place;
+#[cfg(feature = "image")]
+pub(crate) mod samples;
 
 use std::io::Write;
 use std::path::PathBuf;

@@ -5,6 +5,8 @@
 mod common;
 
 mod browser;
+#[cfg(feature = "image")]
+mod textured;
 
 use common::place::Place;
 use common::{holed, say_skipped};
