@@ -54,6 +54,27 @@ complete bricks "$folder/bricks-hole.ply"
 before_and_after bricks --size 400x350
 picture bricks source --size 400x350 --channel source --no-legend
 
+# A wall's image, seen from above, as the sample for a ball; and its relief on a ring.
+"$RELIEVO" synth bricks --full --vertices 40000 -o "$folder/wall.ply" -q
+"$RELIEVO" render "$folder/wall.ply" -o "$folder/wall.png" -q --channel color --view top --up z \
+    --projection orthographic --size 160x160 --zoom 1.8 --no-legend
+cp "$folder/wall.png" "$out/texture-sample.png"
+"$RELIEVO" synth golf-ball --full -o "$folder/ball.ply" -q
+"$RELIEVO" texture "$folder/ball.ply" -e "$folder/wall.png" --vertices 60000 --symmetry 2 -o "$folder/texture.ply" -q >/dev/null
+picture texture ball --size 400x350 --channel color --up z --view 20,15
+awk 'BEGIN {
+    tau = 8 * atan2(1, 1)
+    for (i = 0; i < 40; i++) for (j = 0; j < 80; j++) {
+        a = tau * i / 40; b = tau * j / 80
+        printf "v %.9g %.9g %.9g\n", (2 + cos(a)) * cos(b), (2 + cos(a)) * sin(b), sin(a)
+        p = (i + 1) % 40; q = (j + 1) % 80
+        faces = faces sprintf("f %d %d %d %d\n", i * 80 + j + 1, i * 80 + q + 1, p * 80 + q + 1, p * 80 + j + 1)
+    }
+    printf "%s", faces
+}' >"$folder/ring.obj"
+"$RELIEVO" texture "$folder/ring.obj" -e "$folder/wall.ply" --vertices 60000 --symmetry 2 -o "$folder/texture.ply" -q >/dev/null
+picture texture relief --size 400x350 --channel color --up z --view 20,35
+
 shared=../shared/data
 if [ ! -d "$shared" ]; then
     echo "SKIPPED: $shared is not there, so there are no pictures of its scans"
