@@ -106,6 +106,12 @@ impl Level<'_> {
             (_, None) => vec![Complex::default(); count],
             (_, Some(coarse)) => coarse.iter().map(powers).collect(),
         };
+        if let (Orientation::Along(direction), None) = (orientation, coarse) {
+            // What is tangent of it is a beginning also where it is too little to be kept.
+            for (v, z) in field.iter_mut().enumerate() {
+                *z = powers(&self.connection.to_complex(v, direction));
+            }
+        }
         let mut pinned = vec![false; count];
         let mut pin = |v: usize, direction: &Vector3<f64>| {
             let z = self.connection.to_complex(v, direction);
