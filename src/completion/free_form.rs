@@ -11,7 +11,7 @@ use nalgebra::Point3;
 use crate::base::{
     Form, FreeForm, Role, Undetermined, WavelengthChoice, choose_wavelength, smooth_form,
 };
-use crate::mesh::{Adjacency, TriMesh, smoothed_positions, vertex_normals};
+use crate::mesh::{TriMesh, smoothed_positions, vertex_normals};
 use crate::relief::{self, Relief};
 use crate::sampling::{Gap, Spanned};
 
@@ -26,9 +26,6 @@ const BENDINGS: usize = 3;
 /// More vertices around the holes than this are neither smoothed nor copied from: the time and memory of
 /// the solve grow faster than their number.
 const MOST_VERTICES: usize = 300_000;
-
-/// Rounds of smoothing after which the relief no longer makes the surface much longer than its form.
-const SHAPE_ROUNDS: usize = 10;
 
 /// What lies farther from a rim than this many wavelengths has no part in how the form leaves it.
 const REACHED: f64 = 1.5;
@@ -160,29 +157,21 @@ fn choice(input: &Input, gaps: &[NumberedGap]) -> Result<WavelengthChoice, Undet
 
 /// The scan without what would disturb lengths and angles.
 fn shape(input: &Input) -> Vec<Point3<f64>> {
-    smoothed_positions(&input.mesh, &input.adjacency, SHAPE_ROUNDS)
+    smoothed_positions(&input.mesh, &input.adjacency, relief::SHAPE_ROUNDS)
 }
 
-/// The free form of a completed mesh (#V points), which what was added (`completed`, #V) has no say in; `None`
-/// if it is too large, or the form is not determined.
-pub(super) fn form_of(
+/// The relief of a completed mesh over free form, in which what was added (`completed`, #V) has no say; `None` if it
+/// is too large, or the form is not determined.
+pub(super) fn relief_of_completed(
     mesh: &TriMesh,
     completed: &[bool],
     wavelength: f64,
-) -> Option<Vec<Point3<f64>>> {
+) -> Option<Relief> {
     if mesh.positions.len() > MOST_VERTICES {
         return None;
     }
-    let shape = smoothed_positions(mesh, &Adjacency::new(mesh), SHAPE_ROUNDS);
-    let role = |completed: &bool| {
-        if *completed {
-            Role::Free
-        } else {
-            Role::Measured
-        }
-    };
-    let roles: Vec<Role> = completed.iter().map(role).collect();
-    smooth_form(mesh, &shape, &roles, wavelength).ok()
+    let (relief, _) = relief::on_free_form(mesh, Some(wavelength), completed).ok()?;
+    Some(relief)
 }
 
 /// The scan without its relief, next to the gaps; without the finest of it elsewhere.

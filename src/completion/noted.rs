@@ -10,7 +10,7 @@ use crate::relief::{self, Relief};
 use crate::scan::Scan;
 
 use super::assemble::earlier_marks;
-use super::free_form::form_of;
+use super::free_form::relief_of_completed;
 
 /// Start of the comment line that says which base surface the heights are over.
 const BASE_COMMENT: &str = "relievo base ";
@@ -84,6 +84,6 @@ pub fn noted_relief(scan: &Scan, mesh: &TriMesh, origin: &Vector3<f64>) -> Optio
     let RememberedFreeForm { form, reach } = remembered_free_form(scan)?;
     let earlier = earlier_marks(scan)?;
     let completed: Vec<bool> = earlier.completed.iter().map(|mark| *mark > 0).collect();
-    let smooth = form_of(mesh, &completed, form.wavelength)?;
-    Some((relief::over_form(mesh, smooth), reach))
+    let relief = relief_of_completed(mesh, &completed, form.wavelength)?;
+    Some((relief, reach))
 }

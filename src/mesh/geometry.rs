@@ -19,6 +19,29 @@ pub fn triangle_normal([a, b, c]: [Point3<f64>; 3]) -> Vector3<f64> {
     (b - a).cross(&(c - a))
 }
 
+/// Area of all triangles together.
+#[must_use]
+pub fn surface_area(mesh: &TriMesh) -> f64 {
+    (0..mesh.triangles.len())
+        .map(|f| triangle_area(mesh.corners(f)))
+        .sum()
+}
+
+/// A tangent of the plane with unit normal `from`, turned into the plane with unit normal `to` about the line
+/// where they meet. Planes back to back have no such turn: it is taken as it is then.
+#[must_use]
+pub fn turned_tangent(
+    tangent: &Vector3<f64>,
+    from: &Vector3<f64>,
+    to: &Vector3<f64>,
+) -> Vector3<f64> {
+    let cosine = from.dot(to);
+    if cosine < -0.99 {
+        return *tangent;
+    }
+    tangent - (from + to) * (tangent.dot(to) / (1.0 + cosine))
+}
+
 /// For each vertex, a third of the area of its triangles.
 #[must_use]
 pub fn vertex_areas(mesh: &TriMesh) -> Vec<f64> {

@@ -10,6 +10,7 @@ mod check;
 mod closest;
 mod disjoint_sets;
 mod geometry;
+mod joined;
 mod nearest;
 mod point_triangle;
 mod spatial;
@@ -21,8 +22,9 @@ pub use closest::ClosestPoints;
 pub(crate) use disjoint_sets::DisjointSets;
 pub use geometry::{
     bounding_diagonal, edge_lengths, edges, euler_characteristic, gradients, median_edge,
-    triangle_area, triangle_normal, vertex_areas, vertex_normals,
+    surface_area, triangle_area, triangle_normal, turned_tangent, vertex_areas, vertex_normals,
 };
+pub(crate) use joined::{ALONE, opposite_half_edges};
 pub use nearest::{Nearest, PointTree};
 pub(crate) use point_triangle::PreparedTriangle;
 pub(crate) use spatial::first_at_place;

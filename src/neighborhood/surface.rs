@@ -1,9 +1,8 @@
 //! A triangulated surface that can be walked on.
 
 use nalgebra::{Point3, Vector3};
-use rayon::prelude::*;
 
-use crate::mesh::{TriMesh, spatial_order};
+use crate::mesh::{ALONE, TriMesh, opposite_half_edges, spatial_order};
 
 /// No triangle.
 const NONE: u32 = u32::MAX;
@@ -433,25 +432,10 @@ impl Flat {
 /// Finds the triangles across the edges: where two triangles alone have an edge, and run along it in
 /// opposite directions.
 fn join(flats: &mut [Flat]) {
-    // Ends in ascending order, and triangle · 4 + edge.
-    let mut edges: Vec<(u32, u32, u32)> = (0u32..)
-        .zip(flats.iter())
-        .flat_map(|(f, flat)| {
-            let [a, b, c] = flat.corners;
-            [(a, b, 4 * f), (b, c, 4 * f + 1), (c, a, 4 * f + 2)]
-        })
-        .map(|(a, b, edge)| (a.min(b), a.max(b), edge))
-        .collect();
-    edges.par_sort_unstable();
-    let start =
-        |flats: &[Flat], edge: u32| flats[(edge >> 2) as usize].corners[(edge & 3) as usize];
-    for same in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-        if let [(a, b, one), (_, _, other)] = *same
-            && a != b
-            && start(flats, one) != start(flats, other)
-        {
-            flats[(one >> 2) as usize].across[(one & 3) as usize] = other;
-            flats[(other >> 2) as usize].across[(other & 3) as usize] = one;
+    let triangles: Vec<[u32; 3]> = flats.iter().map(|flat| flat.corners).collect();
+    for (h, opposite) in opposite_half_edges(&triangles).into_iter().enumerate() {
+        if opposite != ALONE {
+            flats[h / 3].across[h % 3] = opposite / 3 * 4 + opposite % 3;
         }
     }
 }

@@ -121,7 +121,7 @@ pub fn over_form(mesh: &TriMesh, form: Vec<Point3<f64>>) -> Relief {
 }
 
 /// The relief of a mesh over free form, and the wavelength that tells one from the other (given, or chosen from the
-/// relief), in the scan's unit. `roles` (#V, or empty if all vertices were measured) say which vertices have a say in the
+/// relief), in the scan's unit. What a completion added (`completed`: #V, or empty for nothing) has no say in the
 /// form.
 ///
 /// # Errors
@@ -129,7 +129,7 @@ pub fn over_form(mesh: &TriMesh, form: Vec<Point3<f64>>) -> Relief {
 pub fn on_free_form(
     mesh: &TriMesh,
     wavelength: Option<f64>,
-    roles: &[Role],
+    completed: &[bool],
 ) -> Result<(Relief, f64), Undetermined> {
     let shape = smoothed_positions(mesh, &Adjacency::new(mesh), SHAPE_ROUNDS);
     let wavelength = match wavelength {
@@ -139,19 +139,17 @@ pub fn on_free_form(
             choose_wavelength(mesh, &shape, spacing)?.wavelength
         }
     };
-    let measured;
-    let roles = if roles.is_empty() {
-        measured = vec![Role::Measured; mesh.positions.len()];
-        &measured
-    } else {
-        roles
+    let role = |v: usize| match completed.get(v) {
+        Some(true) => Role::Free,
+        _ => Role::Measured,
     };
-    let smooth = smooth_form(mesh, &shape, roles, wavelength)?;
+    let roles: Vec<Role> = (0..mesh.positions.len()).map(role).collect();
+    let smooth = smooth_form(mesh, &shape, &roles, wavelength)?;
     Ok((over_form(mesh, smooth), wavelength))
 }
 
 /// Rounds of smoothing that free form is measured on: what relief would disturb in lengths and angles.
-const SHAPE_ROUNDS: usize = 10;
+pub(crate) const SHAPE_ROUNDS: usize = 10;
 
 /// Heights beyond this many robust standard deviations are no relief: the roof of a tower over the
 /// cylinder of its shaft. Generous, since deep joints and vugs are what completion is for.

@@ -1,5 +1,6 @@
 //! Colours of any type as intensities from 0 to 1.
 
+use super::channel::Scalar;
 use super::{Column, Table};
 
 /// Names that programs give to the colour channels, in the order in which they are looked for.
@@ -68,6 +69,22 @@ pub(super) fn colors(table: &Table) -> Option<Vec<[f64; 3]>> {
             .map(|row| layout.channels.map(|channel| intensity(row, channel)))
             .collect(),
     )
+}
+
+impl Table {
+    /// Puts intensities (one triple a row, 0 to 1; clamped) into `red`, `green` and `blue`, as `uchar`.
+    ///
+    /// # Panics
+    /// If there is not one triple a row.
+    pub fn set_colors(&mut self, colors: &[[f64; 3]]) {
+        let byte = |value: f64| <u8 as Scalar>::rounded(255.0 * value.clamp(0.0, 1.0));
+        for (k, name) in NAMES[0].into_iter().enumerate() {
+            self.set_channel(
+                name,
+                Column::U8(colors.iter().map(|c| byte(c[k])).collect()),
+            );
+        }
+    }
 }
 
 #[cfg(test)]

@@ -243,13 +243,7 @@ fn on_free_form(
     if mesh.triangles.is_empty() {
         return Err(StatsError::NoFaces);
     }
-    let roles: Vec<Role> = (completed.iter())
-        .map(|completed| match completed {
-            true => Role::Free,
-            false => Role::Measured,
-        })
-        .collect();
-    let (relief, wavelength) = relief::on_free_form(mesh, params.form_wavelength, &roles)?;
+    let (relief, wavelength) = relief::on_free_form(mesh, params.form_wavelength, completed)?;
     let reach = relief::reach_of(&relief.heights);
     Ok((Form::Free(FreeForm { wavelength }), (relief, reach)))
 }

@@ -1,11 +1,12 @@
 //! The mesh at several resolutions.
 
 use nalgebra::{Point3, Vector3};
-
 use rayon::prelude::*;
 
-use crate::mesh::{ClosestPoints, TriMesh, triangle_area, vertex_normals};
+use crate::mesh::{ClosestPoints, TriMesh, surface_area, vertex_normals};
 use crate::neighborhood::{Place, Surface};
+
+use super::retile::Retiled;
 
 /// A mesh at one resolution, to be textured.
 #[derive(Debug)]
@@ -13,6 +14,8 @@ pub(super) struct CanvasLevel {
     pub(super) surface: Surface,
     /// Length of a texel, in the scan's unit: the side of a square of two triangles' area.
     pub(super) texel: f64,
+    /// Standard deviation of the edges' lengths over their mean.
+    pub(super) edge_variation: f64,
     /// #V unit normals.
     pub(super) normals: Vec<Vector3<f64>>,
     /// #V unit tangents: the texture's first axis.
@@ -22,10 +25,10 @@ pub(super) struct CanvasLevel {
 }
 
 impl CanvasLevel {
-    pub(super) fn new(mesh: TriMesh, directions: Vec<Vector3<f64>>) -> Self {
-        let normals = vertex_normals(&mesh);
-        let texel = texel(&mesh);
-        let surface = Surface::new(mesh);
+    pub(super) fn new(retiled: Retiled, directions: Vec<Vector3<f64>>) -> Self {
+        let normals = vertex_normals(&retiled.mesh);
+        let texel = texel(&retiled.mesh);
+        let surface = Surface::new(retiled.mesh);
         let places = (0u32..)
             .zip(&directions)
             .map(|(v, direction)| surface.at_vertex(v, direction))
@@ -33,6 +36,7 @@ impl CanvasLevel {
         Self {
             surface,
             texel,
+            edge_variation: retiled.report.edge_variation,
             normals,
             directions,
             places,
@@ -64,8 +68,5 @@ impl CanvasLevel {
 /// # Reference
 /// [Wei & Levoy 2001](crate::bibliography#wei--levoy-2001), §3.3.
 pub(super) fn texel(mesh: &TriMesh) -> f64 {
-    let area: f64 = (0..mesh.triangles.len())
-        .map(|f| triangle_area(mesh.corners(f)))
-        .sum();
-    (2.0 * area / mesh.triangles.len().max(1) as f64).sqrt()
+    (2.0 * surface_area(mesh) / mesh.triangles.len().max(1) as f64).sqrt()
 }

@@ -33,8 +33,7 @@ pub(super) fn directions(
         // What the next coarser level says.
         let coarse = (levels.get(number + 1).zip(all.last()))
             .map(|(mesh, directions)| level.carried_over(mesh, directions));
-        let (field, pinned) = level.start(orientation, symmetry, coarse.as_deref(), rng);
-        let mut field = field;
+        let (mut field, pinned) = level.start(orientation, symmetry, coarse.as_deref(), rng);
         let mut rounds = 0;
         if *orientation != Orientation::Random {
             rounds = connection.relax(&mut field, symmetry, &pinned, coarse.is_some());

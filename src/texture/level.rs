@@ -1,6 +1,6 @@
 //! One level of the mesh while it is textured.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 use crate::neighborhood::{Place, Spots, Stencil};
 
@@ -63,9 +63,7 @@ impl Looks {
                 .map(|(radius, (above, places))| lay(above, radius, places)),
         }
     }
-}
 
-impl Looks {
     pub(super) fn sharpness(&self) -> Sharpness {
         Sharpness {
             own: self.own.sharpness(),
@@ -173,7 +171,7 @@ impl CanvasLevel {
     }
 
     /// The same from a vertex to a point.
-    pub(super) fn offset_to(&self, v: usize, point: &nalgebra::Point3<f64>) -> [f64; 2] {
+    pub(super) fn offset_to(&self, v: usize, point: &Point3<f64>) -> [f64; 2] {
         self.flat(v, &(point - self.surface.positions()[v]))
     }
 }

@@ -42,7 +42,7 @@ pub use textured::{DIRECTION, Lookup, Textured};
 
 use nalgebra::{Point3, Vector3};
 
-use crate::mesh::{TriMesh, triangle_area};
+use crate::mesh::{TriMesh, surface_area};
 use crate::progress::{Clock, Progress};
 use crate::rng::{Rng, Stage};
 
@@ -75,7 +75,7 @@ pub fn synthesize(
     let mut clock = Clock::new(progress);
     let given = mesh;
     let (mesh, origin) = given.clone().centered();
-    let area = area(&mesh);
+    let area = surface_area(&mesh);
     if !(area > 0.0 && area.is_finite()) {
         return Err(TextureError::NoArea);
     }
@@ -103,17 +103,10 @@ pub fn synthesize(
         directions(&meshes, &orientation, params.symmetry, &mut rng);
     clock.end("directions");
     let finest = retiled[0].mesh.clone();
-    let variations: Vec<f64> = retiled
-        .iter()
-        .map(|level| level.report.edge_variation)
-        .collect();
     let canvas: Vec<CanvasLevel> = (retiled.into_iter().zip(directions))
-        .map(|(level, directions)| CanvasLevel::new(level.mesh, directions))
+        .map(|(level, directions)| CanvasLevel::new(level, directions))
         .collect();
-    let (painted, mut levels) = paint(&pyramid, &canvas, params, &mut rng, &mut clock);
-    for (level, variation) in levels.iter_mut().zip(variations) {
-        level.edge_variation = variation;
-    }
+    let (painted, levels) = paint(&pyramid, &canvas, params, &mut rng, &mut clock);
     for singularity in &mut orientation.singularities {
         let moved = Point3::from(singularity.position) + origin;
         singularity.position = moved.coords.into();
@@ -177,10 +170,4 @@ fn moved(mut mesh: TriMesh, by: &Vector3<f64>) -> TriMesh {
         *p += by;
     }
     mesh
-}
-
-fn area(mesh: &TriMesh) -> f64 {
-    (0..mesh.triangles.len())
-        .map(|f| triangle_area(mesh.corners(f)))
-        .sum()
 }

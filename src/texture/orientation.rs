@@ -1,8 +1,9 @@
 //! Directions at the vertices of a mesh that agree with their neighbors'.
 
-use nalgebra::{Complex, Vector3};
+use nalgebra::{Complex, Unit, Vector3};
 
-use crate::mesh::{Adjacency, TriMesh};
+use crate::base::perpendicular_frame;
+use crate::mesh::{Adjacency, TriMesh, turned_tangent};
 use crate::rng::Rng;
 
 use super::report::Singularity;
@@ -213,28 +214,18 @@ pub(super) fn random(count: usize, rng: &mut Rng) -> Vec<Complex<f64>> {
         .collect()
 }
 
+/// Two tangents and the normal; any, where there is none.
 fn axes(normal: &Vector3<f64>) -> [Vector3<f64>; 3] {
-    let mut smallest = Vector3::zeros();
-    smallest[normal.iamin()] = 1.0;
-    let x = normal
-        .cross(&smallest)
-        .try_normalize(1e-12)
-        .unwrap_or_else(Vector3::x);
-    [x, normal.cross(&x), *normal]
+    let axis = Unit::try_new(*normal, 1e-12).unwrap_or_else(Vector3::z_axis);
+    let [x, y] = perpendicular_frame(&axis);
+    [x, y, *normal]
 }
 
 /// What a direction in the axes `from` is multiplied with to be, in the axes `to`, the same after the least turn
 /// that brings one normal onto the other.
 fn transport(from: &[Vector3<f64>; 3], to: &[Vector3<f64>; 3]) -> Complex<f64> {
     let ([x, _, n], [u, v, m]) = (from, to);
-    let cos = n.dot(m);
-    // Opposite normals: any way around is as short.
-    let carried = if cos > -0.999_999 {
-        let sum = n + m;
-        x - sum * (x.dot(m) / (1.0 + cos))
-    } else {
-        *x
-    };
+    let carried = turned_tangent(x, n, m);
     let z = Complex::new(carried.dot(u), carried.dot(v));
     let length = z.norm();
     if length > 1e-12 {

@@ -3,11 +3,9 @@
 use crate::progress::{Clock, Progress};
 use crate::rng::Rng;
 
-pub(super) use super::level::Painted;
-
 use super::canvas::CanvasLevel;
 use super::coherent;
-use super::level::{Above, Looks, Window, Work};
+use super::level::{Above, Looks, Painted, Window, Work};
 use super::params::{Method, TextureParams};
 use super::pyramid::Pyramid;
 use super::report::LevelReport;
@@ -107,7 +105,7 @@ fn report(work: &Work, painted: &Painted, window: &Window) -> LevelReport {
     LevelReport {
         vertices: work.canvas.normals.len(),
         texel: work.canvas.texel,
-        edge_variation: 0.0,
+        edge_variation: work.canvas.edge_variation,
         sites: work.sites.len(),
         window: 2 * window.own + 1,
         coarse_window: window.coarse.map_or(0, |radius| 2 * radius + 1),

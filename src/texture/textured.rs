@@ -77,7 +77,7 @@ impl Textured {
             vertices.set_channel(name, Column::F64(positions.iter().map(|p| p[k]).collect()));
         }
         if let Some(colors) = &self.colors {
-            set_colors(&mut vertices, colors);
+            vertices.set_colors(colors);
         }
         if let Some(heights) = &self.heights {
             vertices.set_channel("height", Column::F64(heights.clone()));
@@ -106,22 +106,6 @@ impl Textured {
             textured: self,
             closest: ClosestPoints::new(&self.mesh),
         }
-    }
-}
-
-/// Puts intensities from 0 to 1 into `red`, `green` and `blue`, 0 to 255.
-fn set_colors(vertices: &mut Table, colors: &[[f64; 3]]) {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "from 0 to 255"
-    )]
-    let byte = |value: f64| (255.0 * value.clamp(0.0, 1.0)).round() as u8;
-    for (k, name) in ["red", "green", "blue"].into_iter().enumerate() {
-        vertices.set_channel(
-            name,
-            Column::U8(colors.iter().map(|c| byte(c[k])).collect()),
-        );
     }
 }
 
@@ -189,7 +173,7 @@ impl Lookup<'_> {
             .map(|v| self.color(at(v).0, at(v).1))
             .collect();
         if let Some(colors) = colors {
-            set_colors(&mut scan.vertices, &colors);
+            scan.vertices.set_colors(&colors);
         }
         let heights: Option<Vec<f64>> = rows
             .into_par_iter()

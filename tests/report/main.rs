@@ -55,6 +55,14 @@ fn markup(html: &str) -> String {
     out + rest
 }
 
+/// Neither addresses nor the folder of the files are named.
+fn assert_stands_alone(page: &str, place: &Place) {
+    for address in ["http://", "https://", " src=", " href=", "url(", "@import"] {
+        assert!(!page.contains(address), "{address}");
+    }
+    assert!(!page.contains(&place.0.path().display().to_string()));
+}
+
 #[test]
 fn the_page_says_what_was_done_and_names_no_address() {
     let place = reported(&colored(), "in.ply");
@@ -71,10 +79,7 @@ fn the_page_says_what_was_done_and_names_no_address() {
     ] {
         assert!(page.contains(words), "{words}");
     }
-    for address in ["http://", "https://", " src=", " href=", "url(", "@import"] {
-        assert!(!page.contains(address), "{address}");
-    }
-    assert!(!page.contains(&place.0.path().display().to_string()));
+    assert_stands_alone(&page, &place);
 }
 
 #[test]

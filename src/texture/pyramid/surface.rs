@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::mesh::{PointTree, TriMesh, triangle_area};
+use crate::mesh::{PointTree, TriMesh};
 use crate::rng::Rng;
 use crate::texture::canvas::CanvasLevel;
 use crate::texture::directions::directions;
@@ -22,15 +22,8 @@ pub(super) fn of_surface(
     levels: usize,
     rng: &mut Rng,
 ) -> Vec<PyramidLevel> {
-    let area: f64 = (0..sample.base.triangles.len())
-        .map(|f| triangle_area(sample.base.corners(f)))
-        .sum();
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "about as many as vertices"
-    )]
-    let finest = (area / (sample.texel * sample.texel)) as usize;
+    // A texel is as large as two triangles of the scan.
+    let finest = sample.base.triangles.len() / 2;
     let counts: Vec<usize> = (0..levels)
         .map(|k| finest >> (2 * k))
         .take_while(|count| *count >= LEAST_VERTICES)
@@ -44,7 +37,7 @@ pub(super) fn of_surface(
     };
     let origins = origins(sample, first);
     let canvas: Vec<CanvasLevel> = (retiled.into_iter().zip(directions))
-        .map(|(level, directions)| CanvasLevel::new(level.mesh, directions))
+        .map(|(level, directions)| CanvasLevel::new(level, directions))
         .collect();
     let mut values = vec![taken(sample, channels, &origins)];
     let mut known = vec![

@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::OnTriangle;
 use super::rim::Rim;
-use crate::mesh::{TriMesh, spatial_order, triangle_area, triangle_normal};
+use crate::mesh::{TriMesh, spatial_order, surface_area, triangle_normal, turned_tangent};
 use crate::neighborhood::{Place, Surface};
 
 /// The input, laid out for walking.
@@ -67,9 +67,7 @@ impl Ground {
     }
 
     pub(super) fn area(&self) -> f64 {
-        (0..self.mesh.triangles.len())
-            .map(|f| triangle_area(self.mesh.corners(f)))
-            .sum()
+        surface_area(&self.mesh)
     }
 
     /// A place with the triangle's number in the input.
@@ -104,7 +102,7 @@ impl Ground {
     ) -> Option<OnTriangle> {
         let corners = self.mesh.corners(from.triangle as usize);
         let (x, y, own) = axes(&corners, normal)?;
-        let way = turned(way, normal, &own);
+        let way = turned_tangent(way, normal, &own);
         #[expect(clippy::cast_possible_truncation, reason = "walks are single")]
         let offset = [way.dot(&x) as f32, way.dot(&y) as f32];
         let to = self.surface.walk(&self.place(from, &x)?, offset)?;
@@ -143,15 +141,4 @@ fn axes(
     let upright = |v: &Vector3<f64>| (v - x * x.dot(v)).try_normalize(0.0);
     let own = upright(&triangle_normal(*corners)).or_else(|| upright(normal))?;
     Some((x, own.cross(&x), own))
-}
-
-/// A tangent of the plane with unit normal `from`, turned into the plane with unit normal `to` about the line
-/// where they meet.
-fn turned(v: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
-    let cosine = from.dot(to);
-    // Planes back to back have no such turn; then the vector is taken as it is.
-    if cosine < -0.99 {
-        return *v;
-    }
-    v - (from + to) * (v.dot(to) / (1.0 + cosine))
 }

@@ -5,8 +5,10 @@
 
 use rayon::prelude::*;
 
+use crate::mesh::{ALONE, opposite_half_edges};
+
 /// No half-edge, no vertex.
-pub(super) const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = ALONE;
 
 /// A triangulated manifold, possibly with boundary, in which an edge can be changed in constant time. Every
 /// vertex has one fan of triangles; a boundary vertex's half-edge in `outgoing` is the one on the boundary.
@@ -41,7 +43,7 @@ impl HalfEdges {
     pub(super) fn new(triangles: &[[u32; 3]]) -> (Self, Vec<u32>) {
         let mut edges = Self {
             triangles: vec![[NONE; 3]; triangles.len()],
-            opposites: opposites(triangles),
+            opposites: opposite_half_edges(triangles),
             ..Self::default()
         };
         let mut were = Vec::new();
@@ -387,27 +389,4 @@ impl Iterator for Fan<'_> {
         self.current = onward.filter(|onward| *onward != self.first);
         Some(h)
     }
-}
-
-/// By half-edge its opposite, where exactly two triangles have an edge and run through it in opposite
-/// directions.
-fn opposites(triangles: &[[u32; 3]]) -> Vec<u32> {
-    // Ends in ascending order, in one number, and the half-edge.
-    let ends = |a: u32, b: u32| u64::from(a.min(b)) << 32 | u64::from(a.max(b));
-    let mut edges: Vec<(u64, u32)> = (triangles.iter())
-        .flat_map(|&[a, b, c]| [ends(a, b), ends(b, c), ends(c, a)])
-        .zip(0..)
-        .collect();
-    edges.par_sort_unstable();
-    let mut opposites = vec![NONE; edges.len()];
-    let origin = |h: u32| triangles[h as usize / 3][h as usize % 3];
-    for same in edges.chunk_by(|a, b| a.0 == b.0) {
-        if let [(_, one), (_, other)] = *same
-            && origin(one) != origin(other)
-        {
-            opposites[one as usize] = other;
-            opposites[other as usize] = one;
-        }
-    }
-    opposites
 }
