@@ -5,6 +5,7 @@
 //! that and says what it met; nothing here repairs.
 
 mod adjacency;
+mod bisected;
 mod boundary;
 mod check;
 mod closest;
@@ -16,6 +17,7 @@ mod point_triangle;
 mod spatial;
 
 pub use adjacency::{Adjacency, Csr};
+pub use bisected::{Bisected, bisected};
 pub use boundary::{BoundaryLoop, LoopKind, boundary_loops, smoothed_positions, vector_area};
 pub use check::{MeshDefect, check};
 pub use closest::ClosestPoints;
