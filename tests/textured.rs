@@ -8,8 +8,9 @@ use std::path::Path;
 
 use common::say_skipped;
 use relievo::mesh::TriMesh;
-use relievo::scan::{self, ReadOptions, Scan, TexturedOutput, WriteOptions};
-use relievo::texture::{Baked, bake, image_size};
+use relievo::scan::{
+    self, Baked, ReadOptions, Scan, TexturedOutput, WriteOptions, bake, image_size,
+};
 
 /// Part of the diagonal that a pixel may take on the surface.
 const TEXEL: f64 = 1.0 / 1000.0;

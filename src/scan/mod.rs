@@ -20,13 +20,15 @@
 //! Height maps of other instruments are no scans: [`read_height_map`] reads them, from text. Nor are images
 //! as such: [`read_image`] and [`write_png`].
 //!
-//! [`TexturedOutput`] writes PLY, OBJ and GLB with a texture image.
+//! [`TexturedOutput`] writes PLY, OBJ and GLB with a texture image, which [`bake`](bake()) draws from the colours of a surface;
+//! [`image_size`](image_size()) says how large.
 //!
 //! Numbers of text files other than PLY are `double`, texture coordinates `float`. Files are not trusted: whatever their bytes,
 //! [`read`] gives a scan that passes [`Scan::check`], or a [`ScanError`] that says what to do, and
 //! memory follows the size of the file, not what its header claims.
 
 mod append;
+mod bake;
 mod channel;
 mod color;
 #[cfg(feature = "image")]
@@ -39,6 +41,7 @@ mod height_map;
 mod image;
 #[cfg(feature = "image")]
 mod image_file;
+mod image_size;
 mod las;
 mod names;
 mod obj;
@@ -64,10 +67,12 @@ mod xyz;
 
 pub use self::image::{Image, read_image, write_png};
 pub use append::Added;
+pub use bake::{BakeReport, Baked, bake};
 pub use channel::{Channel, Column, Table};
 pub use error::ScanError;
 pub use format::{Format, read, read_from, write, write_to};
 pub use height_map::{HeightMap, read_height_map};
+pub use image_size::image_size;
 pub use options::{Intrinsics, ReadOptions, WriteOptions};
 pub use output::{OutputFile, abandon_outputs, same_file};
 pub use range_grid::RANGE_GRID;

@@ -9,13 +9,11 @@
 //! # Reference
 //! [Wei & Levoy 2001](crate::bibliography#wei--levoy-2001).
 
-mod bake;
 mod canvas;
 mod coherent;
 mod descriptors;
 mod directions;
 mod error;
-mod image_size;
 mod level;
 mod orientation;
 mod paint;
@@ -31,9 +29,7 @@ mod wei_levoy;
 #[cfg(test)]
 mod tests;
 
-pub use bake::{BakeReport, Baked, bake};
 pub use error::TextureError;
-pub use image_size::image_size;
 pub use params::{Density, MOST_VERTICES, Method, Orientation, Search, TextureParams};
 pub use report::{LevelReport, OrientationReport, Singularity, TextureReport};
 pub use retile::{OnTriangle, RetileReport, Retiled, retile};

@@ -8,7 +8,7 @@ use relievo::repair::Repaired;
 use relievo::scan::{
     self, Format, Image, OutputFile, Scan, ScanError, TexturedOutput, WriteOptions, same_file,
 };
-use relievo::texture::{self, Textured};
+use relievo::texture::Textured;
 use serde_json::{Map, Value, json};
 
 use super::super::outcome::{Failure, opened};
@@ -123,7 +123,7 @@ fn texture_image(
         .levels
         .first()
         .map_or(f64::INFINITY, |level| level.texel);
-    let [width, height] = texture::image_size(&uv, &mesh, texel);
+    let [width, height] = scan::image_size(&uv, &mesh, texel);
     let most = side.unwrap_or(u32::MAX).max(1);
     let [width, height] = [width, height].map(|pixels| pixels.min(most));
     let lookup = textured.lookup();
@@ -140,7 +140,7 @@ fn texture_image(
             .color(&Point3::from(point), normal)
             .unwrap_or_default()
     };
-    let baked = texture::bake(width, height, &uv, color);
+    let baked = scan::bake(width, height, &uv, color);
     known.insert(
         "image".into(),
         json!({ "width": width, "height": height, "baked": baked.report }),

@@ -8,7 +8,7 @@ mod tests;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::scan::Image;
+use super::Image;
 use place::{Flat, Place};
 
 /// Rows of the image that are drawn together. Any number gives the same image; this many keep the places of
@@ -68,7 +68,7 @@ pub struct BakeReport {
 ///
 /// # Example
 /// ```
-/// use relievo::texture::bake;
+/// use relievo::scan::bake;
 ///
 /// let uv = [[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]];
 /// let corners = |_, [a, b, c]: [f64; 3]| [a, b, c];
