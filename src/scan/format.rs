@@ -205,6 +205,18 @@ impl Format {
 /// # Errors
 /// A [`ScanError`] that names the file; see there.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Scan, ScanError> {
+    let (name, bytes, format) = opened(path)?;
+    let source = Source {
+        bytes: &bytes,
+        name: &name,
+        folder: path.parent().filter(|_| path != Path::new("-")),
+        options,
+    };
+    parse(&source, format)
+}
+
+/// What stands for a file in messages, its bytes, and its format.
+pub(super) fn opened(path: &Path) -> Result<(String, Vec<u8>, Format), ScanError> {
     let (name, bytes) = bytes_of(path)?;
     let format = match (Format::of_content(&bytes), Format::of_path(path)) {
         (Some(content), Ok(extension)) if content != extension && path != Path::new("-") => {
@@ -216,13 +228,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Scan, ScanError> {
         (None, Ok(extension)) => extension,
         (None, Err(unknown)) => Format::guessed(&bytes).ok_or(unknown)?,
     };
-    let source = Source {
-        bytes: &bytes,
-        name: &name,
-        folder: path.parent().filter(|_| path != Path::new("-")),
-        options,
-    };
-    parse(&source, format)
+    Ok((name, bytes, format))
 }
 
 /// What stands for a file, or for standard input (`-`), in messages, and its bytes.

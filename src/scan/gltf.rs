@@ -6,10 +6,12 @@ mod accessor;
 mod buffers;
 mod colors;
 mod json;
+mod looks;
 mod nodes;
 mod primitive;
 mod write;
 
+use super::paint::Painted;
 use super::source::Source;
 use super::{Scan, ScanError};
 use buffers::{Buffers, is_compression};
@@ -39,13 +41,25 @@ const HARMLESS: [&str; 4] = [
 /// it is missing, textures and factors of materials become `uchar` colours in sRGB. `TEXCOORD_0` becomes the
 /// channels `s` and `t`, from the lower left of the image.
 pub(super) fn read(source: &Source) -> Result<Scan, ScanError> {
-    build(source).map_err(|reason| ScanError::Malformed {
-        name: source.name.to_owned(),
-        reason,
-    })
+    build(source, false)
+        .map(|painted| painted.scan)
+        .map_err(|reason| malformed(source, reason))
 }
 
-fn build(source: &Source) -> Result<Scan, String> {
+/// Reads a file with the materials of its faces. Vertices are not shared by primitives of different materials here.
+pub(super) fn read_painted(source: &Source) -> Result<Painted, ScanError> {
+    build(source, true).map_err(|reason| malformed(source, reason))
+}
+
+fn malformed(source: &Source, reason: String) -> ScanError {
+    ScanError::Malformed {
+        name: source.name.to_owned(),
+        reason,
+    }
+}
+
+/// What the faces look like is there if it is asked for.
+fn build(source: &Source, with_faces: bool) -> Result<Painted, String> {
     let (json, binary) = if source.bytes.starts_with(b"glTF") {
         chunks(source.bytes)?
     } else {
@@ -66,7 +80,7 @@ fn build(source: &Source) -> Result<Scan, String> {
     }
     let loaded = buffers::load(&document, source)?;
     let buffers = Buffers::new(&document, binary, &loaded)?;
-    let mut builder = Builder::new(&document, &buffers, source);
+    let mut builder = Builder::new(&document, &buffers, source, with_faces);
     for Placed { mesh, transform } in nodes::meshes(&document)? {
         let missing = || format!("there is no mesh {mesh}");
         let primitives = &document.meshes.get(mesh).ok_or_else(missing)?.primitives;

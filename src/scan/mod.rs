@@ -17,6 +17,8 @@
 //! | LAS | LAS, LAZ | no | positions, colours, properties of the standard, extra bytes |
 //! | depth images | PNG, TIFF | no | positions, colours of a second image, grid, place of the camera |
 //!
+//! Colours of textures are those at the vertices; [`read_color_map`] reads them in between.
+//!
 //! Height maps of other instruments are no scans: [`read_height_map`] reads them, from text. Nor are images
 //! as such: [`read_image`] and [`write_png`].
 //!
@@ -31,6 +33,7 @@ mod append;
 mod bake;
 mod channel;
 mod color;
+mod color_map;
 #[cfg(feature = "image")]
 mod depth;
 mod e57;
@@ -48,6 +51,7 @@ mod obj;
 mod off;
 mod options;
 mod output;
+mod paint;
 mod pcd;
 mod ply;
 pub(crate) mod png;
@@ -69,6 +73,7 @@ pub use self::image::{Image, read_image, write_png};
 pub use append::Added;
 pub use bake::{BakeReport, Baked, bake};
 pub use channel::{Channel, Column, Table};
+pub use color_map::{ColorMap, read_color_map};
 pub use error::ScanError;
 pub use format::{Format, read, read_from, write, write_to};
 pub use height_map::{HeightMap, read_height_map};

@@ -12,6 +12,7 @@ use std::io::{self, Write};
 
 use super::channel::{Scalar, match_column};
 use super::color::ColorLayout;
+use super::paint::Painted;
 use super::source::Source;
 use super::text::{line_error, lines, number, shown, table_of_doubles};
 use super::texture_coordinates::{Coordinates, OF_CORNERS, float};
@@ -25,6 +26,20 @@ use normals::Normals;
 /// no colours, those of the materials and their textures become `uchar` channels. Texture coordinates become
 /// a list of the faces. Lines, points and groups are dropped.
 pub(super) fn read(source: &Source) -> Result<Scan, ScanError> {
+    Ok(lines_of(source)?.finish(source))
+}
+
+/// Reads an OBJ file with the materials of its faces; colours of vertices are those of the file itself.
+pub(super) fn read_painted(source: &Source) -> Result<Painted, ScanError> {
+    let mut reader = lines_of(source)?;
+    reader.take_positions();
+    reader.take_own_colors();
+    reader.take_texture_coordinates();
+    let Reader { scan, surface, .. } = reader;
+    Ok(surface.painted(scan, source))
+}
+
+fn lines_of(source: &Source) -> Result<Reader, ScanError> {
     let mut reader = Reader::default();
     let mut continued: Option<(usize, String)> = None;
     for (line_number, line) in lines(source.bytes) {
@@ -44,7 +59,7 @@ pub(super) fn read(source: &Source) -> Result<Scan, ScanError> {
             .line(&text)
             .map_err(|reason| line_error(source.name, first, reason))?;
     }
-    Ok(reader.finish(source))
+    Ok(reader)
 }
 
 #[derive(Default)]
@@ -144,16 +159,12 @@ impl Reader {
 
     fn finish(mut self, source: &Source) -> Scan {
         let name = source.name;
-        let vertices = &mut self.scan.vertices;
-        *vertices = table_of_doubles(["x", "y", "z"], &self.positions);
+        self.take_positions();
         if let Some(normals) = self.normals.of_vertices(self.positions.len(), name) {
             let normals = table_of_doubles(["nx", "ny", "nz"], &normals);
-            vertices.channels.extend(normals.channels);
+            self.scan.vertices.channels.extend(normals.channels);
         }
-        if self.colors.len() == self.positions.len() {
-            let colors = table_of_doubles(["red", "green", "blue"], &self.colors);
-            vertices.channels.extend(colors.channels);
-        } else {
+        if !self.take_own_colors() {
             if !self.colors.is_empty() {
                 log::warn!("{name}: colours dropped, since only some vertices have one");
             }
@@ -163,14 +174,12 @@ impl Reader {
             for (k, channel) in ["red", "green", "blue"].into_iter().enumerate() {
                 if let Some(colors) = &colors {
                     let values = colors.iter().map(|color| color[k]).collect();
-                    vertices.set_channel(channel, Column::U8(values));
+                    let values = Column::U8(values);
+                    self.scan.vertices.set_channel(channel, values);
                 }
             }
         }
-        let faces = &self.scan.faces;
-        if let Some(coordinates) = self.surface.texture_coordinates(faces) {
-            (self.scan.face_channels).set_channel(OF_CORNERS, coordinates);
-        }
+        self.take_texture_coordinates();
         for (count, what) in [
             (self.dropped.lines_and_points, "lines and points"),
             (self.dropped.weights, "weights of vertices"),
@@ -183,6 +192,26 @@ impl Reader {
             }
         }
         self.scan
+    }
+
+    fn take_positions(&mut self) {
+        self.scan.vertices = table_of_doubles(["x", "y", "z"], &self.positions);
+    }
+
+    /// Takes the colours of the vertices, if all have one.
+    fn take_own_colors(&mut self) -> bool {
+        let complete = self.colors.len() == self.positions.len();
+        if complete {
+            let colors = table_of_doubles(["red", "green", "blue"], &self.colors);
+            self.scan.vertices.channels.extend(colors.channels);
+        }
+        complete
+    }
+
+    fn take_texture_coordinates(&mut self) {
+        if let Some(coordinates) = self.surface.texture_coordinates(&self.scan.faces) {
+            (self.scan.face_channels).set_channel(OF_CORNERS, coordinates);
+        }
     }
 }
 

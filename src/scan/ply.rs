@@ -8,9 +8,11 @@
 
 mod header;
 mod rows;
+mod texture;
 mod tristrips;
 mod write;
 
+pub(super) use self::texture::{IMAGE_NUMBER, TEXTURE_FILE, read_painted};
 pub(super) use self::write::write;
 
 use ply_rs::ply::{Encoding, PropertyType, ScalarType};

@@ -67,10 +67,15 @@ impl<'a> Coordinates<'a> {
         if complete { corners } else { Vec::new() }
     }
 
-    /// The triangles that a scan's faces are split into, each with those of its corners.
+    /// The triangles that a scan's faces are split into, each with the number of its face and those of its
+    /// corners.
     ///
     /// In a polygon that passes a vertex twice both corners take those of the first.
-    pub(super) fn triangles(&self, scan: &Scan, mut take: impl FnMut([u32; 3], [[f64; 2]; 3])) {
+    pub(super) fn triangles(
+        &self,
+        scan: &Scan,
+        mut take: impl FnMut(usize, [u32; 3], [[f64; 2]; 3]),
+    ) {
         let positions = scan.positions();
         let (mut split, mut sorted) = (Vec::new(), Vec::new());
         for (number, face) in scan.faces.rows().enumerate() {
@@ -92,7 +97,7 @@ impl<'a> Coordinates<'a> {
             };
             for triangle in &split {
                 let corners = triangle.map(|v| self.corner(number, face, corner_of(v)));
-                take(*triangle, corners);
+                take(number, *triangle, corners);
             }
         }
     }
@@ -125,7 +130,7 @@ impl Scan {
     pub fn texture_coordinates(&self) -> Option<Vec<[[f64; 2]; 3]>> {
         let coordinates = Coordinates::of(self)?;
         let mut rows = Vec::with_capacity(self.faces.len());
-        coordinates.triangles(self, |triangle, corners| {
+        coordinates.triangles(self, |_, triangle, corners| {
             if is_proper(&triangle) {
                 rows.push(corners);
             }
@@ -154,7 +159,7 @@ impl Scan {
     pub(super) fn split_at_seams(&self) -> Option<Self> {
         let coordinates = Coordinates::of(self)?;
         let mut corners: Vec<(u32, [u32; 2])> = Vec::new();
-        coordinates.triangles(self, |triangle, of_corners| {
+        coordinates.triangles(self, |_, triangle, of_corners| {
             for (vertex, place) in triangle.into_iter().zip(of_corners) {
                 let place = place
                     .map(float)

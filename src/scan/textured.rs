@@ -3,14 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use super::image::{Image, write_png};
+use super::ply::{IMAGE_NUMBER, TEXTURE_FILE};
 use super::texture_coordinates::Coordinates;
 use super::{Format, OutputFile, Scan, ScanError, WriteOptions, gltf, obj, ply, same_file};
-
-/// Keyword of the comment that names the image of a PLY file, as MeshLab writes it.
-const TEXTURE_FILE: &str = "TextureFile";
-
-/// The faces' number of their image in MeshLab's PLY.
-const IMAGE_NUMBER: &str = "texnumber";
 
 /// A mesh with a texture image, in the making.
 ///

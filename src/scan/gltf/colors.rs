@@ -2,8 +2,10 @@
 
 use super::accessor::{self, Component, Numbers};
 use super::buffers::{self, Buffers};
-use super::json::{Document, Material, Primitive, TextureInfo, TextureTransform};
+use super::json::{Document, Material, Primitive, TextureInfo};
+use super::looks::Looks;
 use crate::scan::channel::Scalar;
+use crate::scan::paint::{Paint, Pattern, to_srgb};
 use crate::scan::source::Source;
 use crate::scan::texture::{Textures, Wrap};
 use crate::scan::{Column, Table};
@@ -24,13 +26,19 @@ pub(super) struct Colors<'a> {
     alpha: bool,
     /// The colour of the first primitive that has one of its material only.
     factor: Option<[u64; 3]>,
+    /// Of the faces, if they are asked for.
+    looks: Option<Looks>,
 }
+
+/// An image, and where vertices are on it.
+type OnVertices = (Pattern, Vec<[f64; 2]>);
 
 impl<'a> Colors<'a> {
     pub(super) fn new(
         document: &'a Document,
         buffers: &'a Buffers<'a>,
         source: &'a Source<'a>,
+        with_faces: bool,
     ) -> Self {
         Self {
             document,
@@ -42,13 +50,14 @@ impl<'a> Colors<'a> {
             colored: false,
             alpha: true,
             factor: None,
+            looks: with_faces.then(Looks::default),
         }
     }
 
-    /// The material, if the colours of a primitive's vertices depend on it.
+    /// The material, if the colours of a primitive's vertices depend on it, or those of its faces are asked for.
     pub(super) fn look(&self, primitive: &Primitive) -> Option<usize> {
         let colored = primitive.attributes.contains_key("COLOR_0");
-        primitive.material.filter(|_| !colored)
+        (primitive.material).filter(|_| !colored || self.looks.is_some())
     }
 
     /// Takes the values of `COLOR_0`.
@@ -73,63 +82,78 @@ impl<'a> Colors<'a> {
 
     /// Gives vertices colours of the primitive's material if they have none of their own.
     pub(super) fn paint(&mut self, primitive: &Primitive, count: usize) -> Result<(), String> {
-        if primitive.attributes.contains_key("COLOR_0") {
+        let has_own = primitive.attributes.contains_key("COLOR_0");
+        if has_own && self.looks.is_none() {
             return Ok(());
         }
-        self.alpha = false;
         let document = self.document;
         let material = primitive.material.and_then(|m| document.materials.get(m));
         let pbr = material.map(|m: &Material| &m.pbr_metallic_roughness);
         let factor = pbr.and_then(|p| p.base_color_factor).unwrap_or([1.0; 4]);
         let factor = [factor[0], factor[1], factor[2]];
+        let paint = Paint {
+            diffuse: Some(factor.map(to_srgb)),
+            pattern: None,
+        };
         let texture = pbr.and_then(|p| p.base_color_texture.as_ref());
-        if let Some(info) = texture {
-            let moved = info.extensions.transform;
-            let set = moved.and_then(|t| t.tex_coord).unwrap_or(info.tex_coord);
-            let name = format!("TEXCOORD_{set}");
-            let coordinates = primitive.attributes.get(&name);
-            let image = coordinates.and_then(|_| self.image(info));
-            if let (Some((image, wrap)), Some(accessor)) = (image, coordinates) {
-                let accessors = &document.accessors;
-                let numbers = accessor::read(accessors, *accessor, self.buffers)?;
-                let moved = moved.unwrap_or_default();
-                self.sample(&numbers, moved, (image, wrap), factor);
-                return Ok(());
-            }
+        let textured = texture.map(|info| self.pattern(info, factor, primitive));
+        let (pattern, places) = textured.transpose()?.flatten().unzip();
+        let paint = Paint { pattern, ..paint };
+        if !has_own {
+            self.alpha = false;
+            self.color(&paint, places.as_deref(), count);
         }
-        let color = factor.map(to_srgb);
-        let bits = color.map(f64::to_bits);
-        // One colour for everything tells nothing about the surface.
-        self.colored |= self.factor.is_some_and(|known| known != bits);
-        self.factor = Some(bits);
-        let [r, g, b] = color;
-        self.values
-            .extend(std::iter::repeat_n([r, g, b, 1.0], count));
+        if let Some(looks) = &mut self.looks {
+            looks.push(paint, places, count);
+        }
         Ok(())
     }
 
-    fn sample(
+    /// The image of a texture, and where the vertices are on it.
+    fn pattern(
         &mut self,
-        numbers: &Numbers,
-        moved: TextureTransform,
-        (image, wrap): (usize, [Wrap; 2]),
+        info: &TextureInfo,
         factor: [f64; 3],
-    ) {
-        let Some(texture) = self.textures.get(image) else {
-            return;
+        primitive: &Primitive,
+    ) -> Result<Option<OnVertices>, String> {
+        let moved = info.extensions.transform.unwrap_or_default();
+        let set = moved.tex_coord.unwrap_or(info.tex_coord);
+        let name = format!("TEXCOORD_{set}");
+        let Some(accessor) = primitive.attributes.get(&name) else {
+            return Ok(None);
         };
-        self.colored = true;
-        let is_white = factor.iter().all(|f| *f >= 1.0);
-        for at in numbers.values.chunks_exact(2) {
-            let at = moved.apply([at[0], at[1]]);
-            let sample = texture.sample(at, wrap).map(|v| v / 255.0);
-            let [r, g, b] = if is_white {
-                sample
-            } else {
-                [0, 1, 2].map(|k| to_srgb(to_linear(sample[k]) * factor[k]))
-            };
-            self.values.push([r, g, b, 1.0]);
+        let Some((image, wrap)) = self.image(info) else {
+            return Ok(None);
+        };
+        let numbers = accessor::read(&self.document.accessors, *accessor, self.buffers)?;
+        let pattern = Pattern {
+            image,
+            wrap,
+            placement: moved.placement(),
+            factor: Some(factor).filter(|factor| factor.iter().any(|f| *f < 1.0)),
+        };
+        let places = numbers.values.chunks_exact(2).map(|at| [at[0], at[1]]);
+        Ok(Some((pattern, places.collect())))
+    }
+
+    /// Adds colours of vertices.
+    fn color(&mut self, paint: &Paint, places: Option<&[[f64; 2]]>, count: usize) {
+        if let Some(places) = places {
+            self.colored = true;
+            for place in places {
+                let color = paint.image_color(Some(*place), &self.textures);
+                let [r, g, b] = color.unwrap_or_default().map(|value| value / 255.0);
+                self.values.push([r, g, b, 1.0]);
+            }
+            return;
         }
+        let [r, g, b] = paint.diffuse.unwrap_or([1.0; 3]);
+        let bits = [r, g, b].map(f64::to_bits);
+        // One colour for everything tells nothing about the surface.
+        self.colored |= self.factor.is_some_and(|known| known != bits);
+        self.factor = Some(bits);
+        self.values
+            .extend(std::iter::repeat_n([r, g, b, 1.0], count));
     }
 
     /// The number of a texture's image, and how it goes on beyond its borders.
@@ -165,8 +189,15 @@ impl<'a> Colors<'a> {
         Some((image, wrap))
     }
 
-    /// Adds the channels to a table.
-    pub(super) fn finish(self, table: &mut Table, name: &str) {
+    /// Adds the channels to a table; gives what the faces look like.
+    pub(super) fn finish(mut self, table: &mut Table, name: &str) -> Looks {
+        let mut looks = self.looks.take().unwrap_or_default();
+        looks.textures = std::mem::take(&mut self.textures);
+        self.add_channels(table, name);
+        looks
+    }
+
+    fn add_channels(self, table: &mut Table, name: &str) {
         if !self.colored {
             return;
         }
@@ -187,23 +218,5 @@ impl<'a> Colors<'a> {
             };
             table.set_channel(channel, column);
         }
-    }
-}
-
-/// IEC 61966-2-1.
-fn to_srgb(linear: f64) -> f64 {
-    let linear = linear.clamp(0.0, 1.0);
-    if linear <= 0.003_130_8 {
-        12.92 * linear
-    } else {
-        1.055 * linear.powf(1.0 / 2.4) - 0.055
-    }
-}
-
-fn to_linear(srgb: f64) -> f64 {
-    if srgb <= 0.040_45 {
-        srgb / 12.92
-    } else {
-        ((srgb + 0.055) / 1.055).powf(2.4)
     }
 }

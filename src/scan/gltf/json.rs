@@ -8,6 +8,8 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use serde_json::Value;
 
+use crate::scan::paint::Placement;
+
 /// Properties that extensions add, by the extension's name.
 pub(super) type Extensions = BTreeMap<String, Value>;
 
@@ -161,14 +163,13 @@ impl TextureTransform {
     ///
     /// A positive rotation is counterclockwise as one sees the image, whose v runs down. The listing in
     /// the extension's text turns the other way; its example and all known readers do it like this.
-    pub(super) fn apply(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+    pub(super) fn placement(&self) -> Placement {
         let [scale_u, scale_v] = self.scale.unwrap_or([1.0; 2]);
-        let (u, v) = (u * scale_u, v * scale_v);
         let (sin, cos) = self.rotation.sin_cos();
-        [
-            cos * u + sin * v + self.offset[0],
-            cos * v - sin * u + self.offset[1],
-        ]
+        Placement([
+            [cos * scale_u, sin * scale_v, self.offset[0]],
+            [-sin * scale_u, cos * scale_v, self.offset[1]],
+        ])
     }
 }
 

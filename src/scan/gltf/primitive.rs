@@ -9,6 +9,7 @@ use super::buffers::{Buffers, compressed, is_compression};
 use super::colors::Colors;
 use super::json::{Document, Primitive};
 use crate::scan::channel::Scalar;
+use crate::scan::paint::Painted;
 use crate::scan::source::Source;
 use crate::scan::text::table_of_doubles;
 use crate::scan::texture_coordinates::OF_VERTICES;
@@ -45,6 +46,7 @@ impl<'a> Builder<'a> {
         document: &'a Document,
         buffers: &'a Buffers<'a>,
         source: &'a Source<'a>,
+        with_faces: bool,
     ) -> Self {
         Self {
             document,
@@ -55,7 +57,7 @@ impl<'a> Builder<'a> {
             untouched: true,
             normals: Vec::new(),
             coordinates: Vec::new(),
-            colors: Colors::new(document, buffers, source),
+            colors: Colors::new(document, buffers, source, with_faces),
             others: BTreeMap::new(),
             room: MOST_REPEATED.saturating_add(buffers.size()),
             lines: 0,
@@ -237,7 +239,7 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    pub(super) fn finish(self) -> Scan {
+    pub(super) fn finish(self) -> Painted {
         let Self { mut scan, name, .. } = self;
         let rows = self.positions.len();
         let table = &mut scan.vertices;
@@ -267,7 +269,7 @@ impl<'a> Builder<'a> {
                 table.set_channel(channel, floats(&values));
             }
         }
-        self.colors.finish(table, name);
+        let looks = self.colors.finish(table, name);
         for (channel, (component, values)) in self.others {
             if values.len() != rows || table.channel(&channel).is_some() || channel.is_empty() {
                 log::warn!("{name}: `_{channel}` dropped, since not all meshes have it alike");
@@ -283,7 +285,7 @@ impl<'a> Builder<'a> {
         if self.lines > 0 {
             log::warn!("{name}: {} primitives of lines dropped", self.lines);
         }
-        scan
+        looks.of(scan)
     }
 }
 

@@ -4,10 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::mtl::{self, Map, Material};
 use crate::mesh::Csr;
-use crate::scan::Column;
+use crate::scan::paint::{Paint, Painted, Pattern, Placement, WHITE};
 use crate::scan::source::Source;
 use crate::scan::texture::{Textures, Wrap, rounded};
 use crate::scan::texture_coordinates::{float, listed};
+use crate::scan::{Column, Scan};
 
 /// No texture coordinate, or no material.
 const NONE: u32 = u32::MAX;
@@ -21,9 +22,6 @@ const MOST_NAMES: usize = 16;
 
 /// Size of all material libraries together, in bytes.
 const MOST_TEXT: usize = 64 << 20;
-
-/// Colour of faces without a material: the default of the format is white.
-const NO_MATERIAL: [f64; 3] = [255.0; 3];
 
 /// What an OBJ file says about the look of its faces.
 #[derive(Debug, Default)]
@@ -39,13 +37,13 @@ pub(super) struct Surface {
     stretches: Vec<(usize, u32)>,
 }
 
-/// A material as it is looked up.
-#[derive(Debug, Clone, Default)]
-struct Paint {
-    diffuse: Option<[f64; 3]>,
-    map: Option<(usize, Map)>,
+/// What each material looks like, by its number.
+#[derive(Debug, Default)]
+struct Paints {
+    paints: Vec<Paint>,
     /// Whether its image is missing, so that its colour alone would mislead.
-    incomplete: bool,
+    incomplete: Vec<bool>,
+    textures: Textures,
 }
 
 impl Surface {
@@ -83,14 +81,14 @@ impl Surface {
         source: &Source,
     ) -> Option<Vec<[u8; 3]>> {
         let name = source.name;
-        let (paints, textures) = self.paints(source);
-        if !worth_showing(&paints) {
+        let known = self.paints(source);
+        if !known.are_worth_showing() {
             return None;
         }
         let mut looks = self.looks(faces, vertices);
         looks.sort_unstable();
         looks.dedup();
-        let mut colors = vec![rounded(NO_MATERIAL); vertices];
+        let mut colors = vec![rounded(WHITE); vertices];
         let mut unpainted = vertices;
         for of_vertex in looks.chunk_by(|a, b| a.0 == b.0) {
             let mut places: Vec<(u32, Option<[u64; 2]>)> = of_vertex
@@ -105,8 +103,7 @@ impl Surface {
             places.dedup();
             let samples = places.iter().map(|(material, coordinate)| {
                 let coordinate = coordinate.map(|c| c.map(f64::from_bits));
-                let paint = paints.get(*material as usize);
-                paint.map_or(NO_MATERIAL, |paint| paint.sample(coordinate, &textures))
+                known.color(*material, coordinate)
             });
             let (sum, count) = samples.fold(([0.0; 3], 0.0), |(sum, count), sample| {
                 ([0, 1, 2].map(|k| sum[k] + sample[k]), count + 1.0)
@@ -144,14 +141,9 @@ impl Surface {
 
     /// Vertex, material and texture coordinate of each corner.
     fn looks(&self, faces: &Csr, vertices: usize) -> Vec<(u32, u32, u32)> {
-        let mut stretches = self.stretches.iter().peekable();
-        let mut material = NONE;
         let mut corners = self.corners.iter().copied();
         let mut looks = Vec::new();
-        for (number, face) in faces.rows().enumerate() {
-            while let Some((_, next)) = stretches.next_if(|(first, _)| *first <= number) {
-                material = *next;
-            }
+        for (material, face) in self.materials(faces.len()).zip(faces.rows()) {
             for vertex in face {
                 let coordinate = corners.next().unwrap_or(NONE);
                 if (*vertex as usize) < vertices {
@@ -162,11 +154,40 @@ impl Surface {
         looks
     }
 
-    /// What each material looks like, by its number, and the images.
-    fn paints(&self, source: &Source) -> (Vec<Paint>, Textures) {
-        let mut paints = vec![Paint::default(); self.numbers.len()];
-        let mut images = Textures::default();
-        let mut known = vec![false; paints.len()];
+    /// The material of each face.
+    fn materials(&self, faces: usize) -> impl Iterator<Item = u32> {
+        let mut stretches = self.stretches.iter().peekable();
+        let mut material = NONE;
+        (0..faces).map(move |number| {
+            while let Some((_, next)) = stretches.next_if(|(first, _)| *first <= number) {
+                material = *next;
+            }
+            material
+        })
+    }
+
+    /// A scan of these faces with their materials.
+    pub(super) fn painted(&self, scan: Scan, source: &Source) -> Painted {
+        let Paints {
+            paints, textures, ..
+        } = self.paints(source);
+        Painted {
+            of_faces: self.materials(scan.faces.len()).collect(),
+            scan,
+            coordinates: None,
+            paints,
+            textures,
+        }
+    }
+
+    fn paints(&self, source: &Source) -> Paints {
+        let count = self.numbers.len();
+        let mut all = Paints {
+            paints: vec![Paint::default(); count],
+            incomplete: vec![false; count],
+            textures: Textures::default(),
+        };
+        let mut known = vec![false; count];
         for material in self.load_libraries(source) {
             let Some(number) = self.numbers.get(&material.name) else {
                 continue;
@@ -175,16 +196,16 @@ impl Surface {
             if std::mem::replace(&mut known[number], true) {
                 continue;
             }
-            let paint = &mut paints[number];
+            let paint = &mut all.paints[number];
             paint.diffuse = material.diffuse;
             if let Some(map) = material.map {
-                let image =
-                    images.load(&map.file, source.name, || source.load_reference(&map.file));
-                paint.incomplete = image.is_none();
-                paint.map = image.map(|image| (image, map));
+                let bytes = || source.load_reference(&map.file);
+                let image = all.textures.load(&map.file, source.name, bytes);
+                all.incomplete[number] = image.is_none();
+                paint.pattern = image.map(|image| pattern(image, &map));
             }
         }
-        (paints, images)
+        all
     }
 
     fn load_libraries(&self, source: &Source) -> Vec<Material> {
@@ -224,34 +245,38 @@ impl Surface {
     }
 }
 
-/// Whether colours of vertices would tell more than one shade of grey.
-fn worth_showing(paints: &[Paint]) -> bool {
-    let plain = || {
-        paints
-            .iter()
-            .filter(|p| !p.incomplete)
-            .filter_map(|p| p.diffuse)
-    };
-    let bits = |color: [f64; 3]| color.map(f64::to_bits);
-    let first = plain().next().map(bits);
-    paints.iter().any(|paint| paint.map.is_some())
-        || plain()
-            .map(bits)
-            .any(|c| c[0] != c[1] || c[1] != c[2] || Some(c) != first)
+fn pattern(image: usize, map: &Map) -> Pattern {
+    let wrap = if map.clamp { Wrap::Clamp } else { Wrap::Repeat };
+    Pattern {
+        image,
+        wrap: [wrap; 2],
+        placement: Placement::upwards(map.scale, map.offset),
+        factor: None,
+    }
 }
 
-impl Paint {
-    /// The colour at a texture coordinate, 0 to 255.
-    fn sample(&self, coordinate: Option<[f64; 2]>, textures: &Textures) -> [f64; 3] {
-        let image = self.map.as_ref().zip(coordinate);
-        let image = image.and_then(|((image, map), at)| Some((textures.get(*image)?, map, at)));
-        if let Some((texture, map, at)) = image {
-            let [u, v] = [0, 1].map(|k| at[k] * map.scale[k] + map.offset[k]);
-            let wrap = if map.clamp { Wrap::Clamp } else { Wrap::Repeat };
-            // v runs upwards, the rows of an image downwards.
-            return texture.sample([u, 1.0 - v], [wrap; 2]);
-        }
-        self.diffuse.map_or(NO_MATERIAL, |d| d.map(|v| v * 255.0))
+impl Paints {
+    /// Whether colours of vertices would tell more than one shade of grey.
+    fn are_worth_showing(&self) -> bool {
+        let plain = || {
+            (self.paints.iter().zip(&self.incomplete))
+                .filter(|(_, incomplete)| !**incomplete)
+                .filter_map(|(paint, _)| paint.diffuse)
+        };
+        let bits = |color: [f64; 3]| color.map(f64::to_bits);
+        let first = plain().next().map(bits);
+        self.paints.iter().any(|paint| paint.pattern.is_some())
+            || plain()
+                .map(bits)
+                .any(|c| c[0] != c[1] || c[1] != c[2] || Some(c) != first)
+    }
+
+    /// The colour of a material at a texture coordinate, 0 to 255.
+    fn color(&self, material: u32, coordinate: Option<[f64; 2]>) -> [f64; 3] {
+        let Some(paint) = self.paints.get(material as usize) else {
+            return WHITE;
+        };
+        (paint.image_color(coordinate, &self.textures)).unwrap_or_else(|| paint.plain_color())
     }
 }
 

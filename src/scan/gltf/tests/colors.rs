@@ -5,6 +5,7 @@ use std::io::Cursor;
 use image::{ImageFormat, Rgb, RgbImage};
 
 use super::*;
+use crate::scan::ColorMap;
 use crate::scan::gltf::json::TextureTransform;
 
 const RED: [u8; 3] = [200, 0, 0];
@@ -139,7 +140,7 @@ fn a_texture_transform_keeps_to_the_part_that_its_example_tells() {
         json!({ "offset": [0, 1], "rotation": std::f64::consts::FRAC_PI_2, "scale": [0.5, 0.5] });
     let transform: TextureTransform = serde_json::from_value(transform).unwrap();
     for at in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]] {
-        let [u, v] = transform.apply(at);
+        let [u, v] = transform.placement().apply(at);
         assert!((-1e-12..=0.5 + 1e-12).contains(&u), "{u}");
         assert!((0.5 - 1e-12..=1.0 + 1e-12).contains(&v), "{v}");
     }
@@ -191,4 +192,47 @@ fn damaged_textures_are_scans_or_errors() {
     let good = embedded().glb();
     truncated(&good, read);
     damaged(&good, read);
+}
+
+#[test]
+fn images_show_between_vertices_whatever_color_these_have() {
+    let mut document = embedded();
+    let green = document.floats(3, &[0.0, 1.0, 0.0].repeat(4));
+    let other = document.floats(2, &[0.75; 8]);
+    let [low, high] = [[0, 1, 2], [1, 3, 2]].map(|corners| document.shorts(1, &corners));
+    // Vertices that the primitives share, and two materials.
+    let attributes =
+        json!({ "POSITION": 0, "TEXCOORD_0": 1, "TEXCOORD_1": other, "COLOR_0": green });
+    document.json["meshes"][0]["primitives"] = json!([
+        { "attributes": attributes, "indices": low, "material": 0 },
+        { "attributes": attributes, "indices": high, "material": 1 },
+    ]);
+    document.push(
+        "materials",
+        json!({ "pbrMetallicRoughness": {
+            "baseColorTexture": { "index": 0, "texCoord": 1 }, "baseColorFactor": [0.5, 1, 0, 1],
+        }}),
+    );
+    document.mesh(&json!([{ "attributes": { "POSITION": 0, "COLOR_0": green }, "mode": 5 }]));
+    document.mesh(&json!([{ "attributes": { "POSITION": 0 }, "mode": 5 }]));
+    document.json["nodes"] = json!([
+        { "mesh": 0 },
+        { "mesh": 1, "translation": [5, 0, 0] },
+        { "mesh": 2, "translation": [9, 0, 0] },
+    ]);
+    let (bytes, options) = (document.glb(), ReadOptions::default());
+    let painted = crate::scan::gltf::read_painted(&source(&bytes, &options)).unwrap();
+    let map = ColorMap::new(painted).unwrap();
+    let at = |x: f64, y: f64| {
+        let color = map.color(&nalgebra::Point3::new(x, y, 0.0), None).unwrap();
+        color.map(|intensity| (intensity * 255.0).round())
+    };
+    assert_eq!(at(0.0, 0.0), RED.map(f64::from));
+    assert_eq!(at(0.5, 0.0), [100.0, 75.0, 0.0]);
+    assert_eq!(at(0.25, 0.25), [128.0, 44.0, 35.0]);
+    assert_eq!(at(0.9, 0.9), [188.0, 255.0, 0.0]);
+    assert_eq!(at(5.5, 0.2), [0.0, 255.0, 0.0]);
+    assert_eq!(at(9.5, 0.2), [255.0; 3]);
+    // Colors of vertices are their own, as before.
+    assert_eq!(document.read().colors().unwrap()[0], [0.0, 1.0, 0.0]);
 }
