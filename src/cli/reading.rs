@@ -6,7 +6,7 @@ use anyhow::Context;
 use clap::Args;
 use relievo::cloud::{self, CloudParams, CloudReport, JoinChoice, Joined, OutlierParams};
 use relievo::repair::{self, RepairParams, RepairReport, Repaired};
-use relievo::scan::{self, Intrinsics, ReadOptions, Scan};
+use relievo::scan::{self, ColorMap, Intrinsics, ReadOptions, Scan};
 use serde_json::{Map, Value, json};
 
 use super::messages::Bar;
@@ -20,6 +20,13 @@ pub(super) struct Input {
     /// (PNG, TIFF); - for standard input
     #[arg(value_name = "SCAN")]
     pub(super) path: PathBuf,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// What files do not tell of themselves.
+#[derive(Debug, Clone, Args)]
+pub(super) struct Reading {
     /// Text files without a line of names: what their columns are, with commas between, as in
     /// x,y,z,intensity,red,green,blue; - skips one [default: guessed]
     #[arg(
@@ -43,20 +50,38 @@ pub(super) struct Input {
     color_image: Option<PathBuf>,
 }
 
-impl Input {
-    /// The scan as it is in the file.
-    pub(super) fn scan(&self) -> Result<Scan, Failure> {
-        let options = ReadOptions {
+impl Reading {
+    pub(super) fn options(&self) -> ReadOptions {
+        ReadOptions {
             columns: self.columns.clone(),
             intrinsics: self.intrinsics,
             color_image: self.color_image.clone(),
-        };
-        Ok(scan::read(&self.path, &options)?)
+        }
+    }
+
+    /// A file that is read like this.
+    pub(super) fn of(&self, path: &Path) -> Input {
+        Input {
+            path: path.to_owned(),
+            reading: self.clone(),
+        }
+    }
+}
+
+impl Input {
+    /// The scan as it is in the file.
+    pub(super) fn scan(&self) -> Result<Scan, Failure> {
+        Ok(scan::read(&self.path, &self.reading.options())?)
+    }
+
+    /// The colors between its vertices, if the file has a texture image.
+    pub(super) fn color_map(&self) -> Result<Option<ColorMap>, Failure> {
+        Ok(scan::read_color_map(&self.path, &self.reading.options())?)
     }
 
     /// All files that are read: the scan first.
     pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
-        [Some(&self.path), self.color_image.as_ref()]
+        [Some(&self.path), self.reading.color_image.as_ref()]
             .into_iter()
             .flatten()
             .map(PathBuf::as_path)
@@ -64,10 +89,7 @@ impl Input {
 
     /// Another file, read in the same way.
     pub(super) fn with_path(&self, path: &Path) -> Self {
-        Self {
-            path: path.to_owned(),
-            ..self.clone()
-        }
+        self.reading.of(path)
     }
 
     /// The file's name in messages.

@@ -10,19 +10,18 @@ use nalgebra::Vector3;
 use relievo::base::FitParams;
 use relievo::report::{self, TexturedPage};
 use relievo::scan::{self, Format};
-use relievo::stats::{self, ColorComparison};
 use relievo::texture::{
     self, DIRECTION, Density, Method, Orientation, Sample, Search, TextureError, TextureParams,
     Textured,
 };
 use serde_json::{Map, Value, json};
 
+use super::mesh_output::MeshOutput;
 use super::messages::Bar;
 use super::outcome::{Failure, Reply};
 use super::reading::{Input, Preparation};
 use super::report::PageOption;
-use super::{Common, arguments};
-use output::Output;
+use super::{Common, arguments, histograms};
 
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("density").multiple(false))]
@@ -210,7 +209,8 @@ fn work(arguments: &Arguments, common: &Common, known: &mut Map<String, Value>) 
         .open(&inputs, &[("-o", Some(&arguments.output))], common)?;
     let (surface, mut prepared) =
         (arguments.prepare).told_surface(&arguments.input, common, known)?;
-    let output = Output::open(arguments, format, &surface)?;
+    let to = arguments.destination(format);
+    let output = MeshOutput::open(&to, &surface, &arguments.input.name())?;
     let (sample, of_sample) = sample(arguments, common, known)?;
     prepared.extend(of_sample);
     let mesh = surface.scan.mesh();
@@ -230,10 +230,9 @@ fn work(arguments: &Arguments, common: &Common, known: &mut Map<String, Value>) 
     if let Value::Object(members) = json!(textured.report) {
         known.extend(members);
     }
-    let colors = histograms(&sample, &textured);
-    let correlation = colors
-        .as_ref()
-        .map(|colors| colors.each_ref().map(|c| c.correlation));
+    let colors = (sample.colors().zip(textured.colors.as_ref()))
+        .map(|(of_sample, found)| histograms::beside_source(of_sample, found));
+    let correlation = colors.as_ref().map(histograms::correlations);
     known.insert("histogram_correlation".into(), json!(correlation));
     known.insert(
         "displaced".into(),
@@ -241,7 +240,7 @@ fn work(arguments: &Arguments, common: &Common, known: &mut Map<String, Value>) 
     );
     known.insert("mesh_kept".into(), json!(arguments.keep_mesh));
     let bar = Bar::doing(common, "writing");
-    output.write(arguments, &surface, &textured, scale, known)?;
+    arguments.write((&to, output), &surface, &textured, scale, known)?;
     drop(bar);
     if let Some(page) = page {
         page.write(&report::textured(&TexturedPage {
@@ -338,16 +337,6 @@ fn sample(
     Ok((Sample::of_image(&image), Vec::new()))
 }
 
-/// Histograms of red, green and blue beside the sample's.
-fn histograms(sample: &Sample, textured: &Textured) -> Option<[ColorComparison; 3]> {
-    let mut colors = sample.colors()?;
-    let of_sample = colors.len();
-    colors.extend(textured.colors.as_ref()?);
-    let is_sample: Vec<bool> = (0..colors.len()).map(|i| i < of_sample).collect();
-    let is_result: Vec<bool> = is_sample.iter().map(|is| !is).collect();
-    Some(stats::compare_colors(&colors, &is_sample, &is_result))
-}
-
 /// A summary for people, on standard error: standard output may carry the mesh.
 fn tell(textured: &Textured, correlation: Option<[f64; 3]>, common: &Common) {
     let report = &textured.report;
@@ -368,10 +357,10 @@ fn tell(textured: &Textured, correlation: Option<[f64; 3]>, common: &Common) {
         report.orientation.singularities.len()
     );
     if let Some(correlation) = correlation {
-        let least = correlation.into_iter().fold(f64::INFINITY, f64::min);
         let _ = writeln!(
             text,
-            "relievo: color histograms agree with the sample's to {least:.3} (correlation)"
+            "relievo: {}",
+            histograms::in_words(correlation, "sample")
         );
     }
     // Nowhere is left to report that standard error is closed.

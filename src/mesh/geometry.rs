@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-use super::TriMesh;
+use super::{TriMesh, first_at_place};
 
 /// Area of a triangle.
 #[must_use]
@@ -67,6 +67,28 @@ pub fn vertex_normals(mesh: &TriMesh) -> Vec<Vector3<f64>> {
     }
     for normal in &mut normals {
         *normal = normal.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
+    }
+    normals
+}
+
+/// The same, and where no triangle meets that of the first vertex at the same place that has one: vertices that stood on the
+/// other side of a seam before it was joined move as those that stand for them.
+#[must_use]
+pub fn seam_normals(mesh: &TriMesh) -> Vec<Vector3<f64>> {
+    let mut normals = vertex_normals(mesh);
+    let is_known = |normal: &Vector3<f64>| normal.norm_squared() > 0.0;
+    if normals.iter().all(is_known) {
+        return normals;
+    }
+    let first = first_at_place(&mesh.positions);
+    let mut of_place = vec![None; normals.len()];
+    for (normal, place) in normals.iter().zip(&first).filter(|(n, _)| is_known(n)) {
+        of_place[*place as usize].get_or_insert(*normal);
+    }
+    for (normal, place) in normals.iter_mut().zip(&first) {
+        if let (false, Some(known)) = (is_known(normal), of_place[*place as usize]) {
+            *normal = known;
+        }
     }
     normals
 }

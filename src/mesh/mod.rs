@@ -12,6 +12,7 @@ mod closest;
 mod disjoint_sets;
 mod geometry;
 mod joined;
+mod lookup;
 mod nearest;
 mod point_triangle;
 mod spatial;
@@ -24,9 +25,11 @@ pub use closest::ClosestPoints;
 pub(crate) use disjoint_sets::DisjointSets;
 pub use geometry::{
     bounding_diagonal, edge_lengths, edges, euler_characteristic, gradients, median_edge,
-    surface_area, triangle_area, triangle_normal, turned_tangent, vertex_areas, vertex_normals,
+    seam_normals, surface_area, triangle_area, triangle_normal, turned_tangent, vertex_areas,
+    vertex_normals,
 };
 pub(crate) use joined::{ALONE, opposite_half_edges};
+pub use lookup::{SurfaceLookup, SurfacePlace};
 pub use nearest::{Nearest, PointTree};
 pub(crate) use point_triangle::PreparedTriangle;
 pub(crate) use spatial::first_at_place;

@@ -1,5 +1,9 @@
 //! Scan and base surface to relief (signed heights along the base normal), and back.
 
+mod displaced;
+
+pub use displaced::{displaced, put_on};
+
 use nalgebra::{Point3, Vector3};
 
 use crate::base::{

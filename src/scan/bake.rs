@@ -2,8 +2,11 @@
 
 mod padding;
 mod place;
+mod surface;
 #[cfg(test)]
 mod tests;
+
+pub use surface::bake_surface;
 
 use rayon::prelude::*;
 use serde::Serialize;

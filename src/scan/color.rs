@@ -85,6 +85,35 @@ impl Table {
             );
         }
     }
+
+    /// The same into the colors that are there, by their names, in their type: whole numbers up to its largest value or
+    /// 255, `float` up to 1. Into `red`, `green` and `blue` as `uchar` if there are none, or `float` up to 255, which
+    /// dark colors would be taken for up to 1.
+    ///
+    /// # Panics
+    /// If there is not one triple a row.
+    pub fn replace_colors(&mut self, colors: &[[f64; 3]]) {
+        let byte = f64::from(u8::MAX);
+        let Some(layout) = ColorLayout::of(self) else {
+            return self.set_colors(colors);
+        };
+        let is_float =
+            |c: &usize| matches!(self.channels[*c].values, Column::F32(_) | Column::F64(_));
+        let is_wide = layout.full >= byte && layout.channels.iter().any(is_float);
+        for (k, channel) in layout.channels.into_iter().enumerate() {
+            let channel = &mut self.channels[channel];
+            let mut column = match is_wide {
+                true => Column::U8(Vec::new()),
+                false => channel.values.emptied(),
+            };
+            let full = if is_wide { byte } else { layout.full };
+            for color in colors {
+                column.push_rounded(full * color[k].clamp(0.0, 1.0));
+            }
+            assert_eq!(column.len(), self.rows, "one triple a row");
+            channel.values = column;
+        }
+    }
 }
 
 #[cfg(test)]
@@ -112,6 +141,28 @@ mod tests {
             let colors = colors(&table(["red", "green", "blue"], &column)).unwrap();
             assert_eq!(colors, expected.map(|e| [e; 3]), "{column:?}");
         }
+    }
+
+    #[test]
+    fn colors_are_replaced_in_their_own_type() {
+        let wanted = [[0.0, 0.2, 1.0], [1.5, 0.001, -1.0]];
+        for (column, expected) in [
+            (Column::U8(vec![1, 2]), Column::U8(vec![51, 0])),
+            (Column::U16(vec![1, 2]), Column::U16(vec![13107, 66])),
+            (Column::F32(vec![0.0, 1.0]), Column::F32(vec![0.2, 0.001])),
+            (Column::F64(vec![9.0, 1.0]), Column::U8(vec![51, 0])),
+            (Column::I32(vec![9, 1]), Column::I32(vec![51, 0])),
+        ] {
+            for names in NAMES {
+                let mut table = table(names, &column);
+                table.replace_colors(&wanted);
+                assert_eq!(table.channels.len(), 3);
+                assert_eq!(table.column(names[1]), Some(&expected), "{column:?}");
+            }
+        }
+        let mut table = table(["x", "y", "z"], &Column::F32(vec![0.0; 2]));
+        table.replace_colors(&wanted);
+        assert_eq!(table.column("green"), Some(&Column::U8(vec![51, 0])));
     }
 
     #[test]

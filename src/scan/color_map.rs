@@ -10,13 +10,13 @@ use super::source::Source;
 use super::texture::Textures;
 use super::texture_coordinates::{Coordinates, is_proper};
 use super::{Format, ReadOptions, ScanError, gltf, obj, ply};
-use crate::mesh::{ClosestPoints, TriMesh};
+use crate::mesh::{SurfaceLookup, SurfacePlace, TriMesh};
 
 /// The colours of a textured scan at any point of its surface: finer than [`Scan::colors`](super::Scan::colors),
 /// which has them at the vertices only.
 #[derive(Debug)]
 pub struct ColorMap {
-    closest: ClosestPoints,
+    surface: SurfaceLookup,
     faces: Vec<Face>,
     paints: Vec<Paint>,
     textures: Textures,
@@ -27,7 +27,6 @@ pub struct ColorMap {
 /// A triangle.
 #[derive(Debug)]
 struct Face {
-    vertices: [u32; 3],
     /// Texture coordinates of the corners as the file has them, NaN without any.
     coordinates: [[f64; 2]; 3],
     /// The number of its paint, if there is one of that number.
@@ -80,11 +79,12 @@ impl ColorMap {
             None => Coordinates::of(&scan)?,
         };
         let mut faces = Vec::with_capacity(scan.faces.len());
+        let mut triangles = Vec::with_capacity(scan.faces.len());
         coordinates.triangles(&scan, |number, vertices, coordinates| {
             // Others are no part of the mesh.
             if is_proper(&vertices) {
+                triangles.push(vertices);
                 faces.push(Face {
-                    vertices,
                     coordinates,
                     paint: of_faces.get(number).copied().unwrap_or(u32::MAX),
                 });
@@ -92,16 +92,16 @@ impl ColorMap {
         });
         let mesh = TriMesh {
             positions: scan.positions(),
-            triangles: faces.iter().map(|face| face.vertices).collect(),
+            triangles,
         };
         let map = Self {
-            closest: ClosestPoints::new(&mesh),
+            surface: SurfaceLookup::new(&mesh),
             colors: scan.colors(),
             faces,
             paints,
             textures,
         };
-        let shows = |face: &Face| map.image_color(face, [1.0, 0.0, 0.0]).is_some();
+        let shows = |face: &Face| map.image_color(face, face.coordinates[0]).is_some();
         map.faces.iter().any(shows).then_some(map)
     }
 
@@ -110,40 +110,32 @@ impl ColorMap {
     /// its pixels. Faces without an image have the colours of their vertices, if the file has any, or that of their
     /// material, or white; where they have an image, colours of vertices do not count.
     ///
-    /// With a `normal` only triangles count that do not face away from it, as in [`ClosestPoints::closest`].
+    /// With a `normal` only triangles count that do not face away from it, as in [`SurfaceLookup::place`].
     /// `None` for a point that is not finite.
     #[must_use]
     pub fn color(&self, point: &Point3<f64>, normal: Option<&Vector3<f64>>) -> Option<[f64; 3]> {
-        let (triangle, shares, _) = self.closest.closest(point, normal)?;
-        let face = self.faces.get(triangle as usize)?;
-        let color = self.image_color(face, shares);
-        Some(color.unwrap_or_else(|| self.plain_color(face, shares)))
+        let place = self.surface.place(point, normal)?;
+        let face = self.faces.get(place.triangle as usize)?;
+        let color = self.image_color(face, place.mixed(face.coordinates));
+        Some(color.unwrap_or_else(|| self.plain_color(face, &place)))
     }
 
-    fn image_color(&self, face: &Face, shares: [f64; 3]) -> Option<[f64; 3]> {
-        let at = mixed(face.coordinates, shares);
+    /// The color of a face's image at texture coordinates.
+    fn image_color(&self, face: &Face, at: [f64; 2]) -> Option<[f64; 3]> {
         let is_known = face.coordinates.iter().flatten().all(|c| c.is_finite());
         let paint = self.paints.get(face.paint as usize)?;
         let color = paint.image_color(is_known.then_some(at), &self.textures)?;
         Some(color.map(|value| value / 255.0))
     }
 
-    fn plain_color(&self, face: &Face, shares: [f64; 3]) -> [f64; 3] {
+    fn plain_color(&self, face: &Face, place: &SurfacePlace) -> [f64; 3] {
         if let Some(colors) = &self.colors {
-            return mixed(face.vertices.map(|v| colors[v as usize]), shares);
+            return place.of_vertices(colors);
         }
         let paint = self.paints.get(face.paint as usize);
         let color = paint.map_or(WHITE, Paint::plain_color);
         color.map(|value| value / 255.0)
     }
-}
-
-/// Values at a point between three corners.
-fn mixed<const N: usize>(corners: [[f64; N]; 3], shares: [f64; 3]) -> [f64; N] {
-    std::array::from_fn(|k| {
-        let parts = corners.iter().zip(shares);
-        parts.map(|(corner, share)| share * corner[k]).sum()
-    })
 }
 
 #[cfg(test)]

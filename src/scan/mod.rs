@@ -58,6 +58,7 @@ pub(crate) mod png;
 mod ptx;
 mod range_grid;
 mod reference;
+mod refined;
 mod remove;
 mod source;
 mod stl;
@@ -71,7 +72,7 @@ mod xyz;
 
 pub use self::image::{Image, read_image, write_png};
 pub use append::Added;
-pub use bake::{BakeReport, Baked, bake};
+pub use bake::{BakeReport, Baked, bake, bake_surface};
 pub use channel::{Channel, Column, Table};
 pub use color_map::{ColorMap, read_color_map};
 pub use error::ScanError;

@@ -3,7 +3,8 @@
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-use crate::mesh::{ClosestPoints, TriMesh, vertex_normals};
+use crate::mesh::{SurfaceLookup, TriMesh, vertex_normals};
+use crate::relief;
 use crate::scan::{Column, Scan, Table};
 
 use super::TextureReport;
@@ -54,9 +55,7 @@ impl Textured {
         };
         let normals = vertex_normals(&self.mesh);
         TriMesh {
-            positions: (self.mesh.positions.iter().zip(normals).zip(heights))
-                .map(|((p, normal), height)| p + normal * (scale * height))
-                .collect(),
+            positions: relief::displaced(&self.mesh.positions, &normals, heights, scale),
             triangles: self.mesh.triangles.clone(),
         }
     }
@@ -65,29 +64,13 @@ impl Textured {
     /// `green`, `blue`, `height`, `source`, `cost`, and the direction [`DIRECTION`].
     #[must_use]
     pub fn scan(&self, scale: Option<f64>) -> Scan {
-        let positions = match scale {
-            Some(scale) => self.displaced(scale).positions,
-            None => self.mesh.positions.clone(),
-        };
         let mut vertices = Table {
             channels: Vec::new(),
-            rows: positions.len(),
+            rows: self.mesh.positions.len(),
         };
         for (k, name) in ["x", "y", "z"].into_iter().enumerate() {
-            vertices.set_channel(name, Column::F64(positions.iter().map(|p| p[k]).collect()));
-        }
-        if let Some(colors) = &self.colors {
-            vertices.set_colors(colors);
-        }
-        if let Some(heights) = &self.heights {
-            vertices.set_channel("height", Column::F64(heights.clone()));
-        }
-        vertices.set_channel("source", Column::U32(self.sources.clone()));
-        vertices.set_channel("cost", Column::F32(self.costs.clone()));
-        #[expect(clippy::cast_possible_truncation, reason = "directions are single")]
-        for (k, name) in DIRECTION.into_iter().enumerate() {
-            let values = self.directions.iter().map(|d| d[k] as f32).collect();
-            vertices.set_channel(name, Column::F32(values));
+            let values = self.mesh.positions.iter().map(|p| p[k]).collect();
+            vertices.set_channel(name, Column::F64(values));
         }
         let mut scan = Scan {
             vertices,
@@ -95,6 +78,21 @@ impl Textured {
         };
         for triangle in &self.mesh.triangles {
             scan.faces.push_row(triangle);
+        }
+        if let Some(colors) = &self.colors {
+            scan.vertices.set_colors(colors);
+        }
+        if let Some(heights) = &self.heights {
+            let normals = vertex_normals(&self.mesh);
+            relief::put_on(&mut scan, &normals, heights.clone(), scale);
+        }
+        let vertices = &mut scan.vertices;
+        vertices.set_channel("source", Column::U32(self.sources.clone()));
+        vertices.set_channel("cost", Column::F32(self.costs.clone()));
+        #[expect(clippy::cast_possible_truncation, reason = "directions are single")]
+        for (k, name) in DIRECTION.into_iter().enumerate() {
+            let values = self.directions.iter().map(|d| d[k] as f32).collect();
+            vertices.set_channel(name, Column::F32(values));
         }
         scan
     }
@@ -104,7 +102,7 @@ impl Textured {
     pub fn lookup(&self) -> Lookup<'_> {
         Lookup {
             textured: self,
-            closest: ClosestPoints::new(&self.mesh),
+            surface: SurfaceLookup::new(&self.mesh),
         }
     }
 }
@@ -113,45 +111,24 @@ impl Textured {
 #[derive(Debug)]
 pub struct Lookup<'a> {
     textured: &'a Textured,
-    closest: ClosestPoints,
+    surface: SurfaceLookup,
 }
 
 impl Lookup<'_> {
-    /// Values at the point of the textured mesh that is closest to `point`, of a surface with this normal there: `None`
-    /// if that has no faces.
-    fn at(
-        &self,
-        point: &Point3<f64>,
-        normal: Option<&Vector3<f64>>,
-    ) -> Option<([usize; 3], [f64; 3])> {
-        let (triangle, shares, _) = self.closest.closest(point, normal)?;
-        let corners = self.textured.mesh.triangles[triangle as usize];
-        Some((corners.map(|v| v as usize), shares))
-    }
-
     /// The color there, between those of the vertices around; `None` if the sample has none.
     #[must_use]
     pub fn color(&self, point: &Point3<f64>, normal: Option<&Vector3<f64>>) -> Option<[f64; 3]> {
         let colors = self.textured.colors.as_ref()?;
-        let (corners, shares) = self.at(point, normal)?;
-        Some([0, 1, 2].map(|k| {
-            let parts = corners.iter().zip(shares);
-            parts.map(|(v, share)| share * colors[*v][k]).sum()
-        }))
+        Some(self.surface.place(point, normal)?.of_vertices(colors))
     }
 
     /// The height there.
     #[must_use]
     pub fn height(&self, point: &Point3<f64>, normal: Option<&Vector3<f64>>) -> Option<f64> {
         let heights = self.textured.heights.as_ref()?;
-        let (corners, shares) = self.at(point, normal)?;
-        Some(
-            corners
-                .iter()
-                .zip(shares)
-                .map(|(v, share)| share * heights[*v])
-                .sum(),
-        )
+        let place = self.surface.place(point, normal)?;
+        let [height] = place.mixed(place.corners.map(|v| [heights[v as usize]]));
+        Some(height)
     }
 
     /// The scan itself with the texture's colors at its vertices (`red`, `green`, `blue`), and their heights (`height`);
@@ -180,15 +157,7 @@ impl Lookup<'_> {
             .map(|v| self.height(at(v).0, at(v).1))
             .collect();
         if let Some(heights) = heights {
-            if let Some(scale) = scale {
-                for (k, name) in ["x", "y", "z"].into_iter().enumerate() {
-                    let moved = (mesh.positions.iter().zip(&normals).zip(&heights))
-                        .map(|((p, n), h)| p[k] + scale * h * n[k]);
-                    scan.vertices
-                        .set_channel(name, Column::F64(moved.collect()));
-                }
-            }
-            scan.vertices.set_channel("height", Column::F64(heights));
+            relief::put_on(&mut scan, &normals, heights, scale);
         }
         scan
     }
