@@ -18,6 +18,10 @@
 //! X. Chen, T. Funkhouser, D. B. Goldman, E. Shechtman: *Non-parametric texture transfer using
 //! MeshMatch.* Adobe Technical Report 2012-2, 2012.
 //!
+//! # Zelinka & Garland 2004
+//! S. Zelinka, M. Garland: *Similarity-based surface modelling using geodesic fans.* Symposium on Geometry
+//! Processing (SGP), 204–213, 2004.
+//!
 //! # PatchMatch 2009
 //! C. Barnes, E. Shechtman, A. Finkelstein, D. B. Goldman: *PatchMatch: a randomized correspondence
 //! algorithm for structural image editing.* ACM Transactions on Graphics 28(3), 24, 2009.
@@ -73,3 +77,15 @@
 //! # Gopi, Krishnan & Silva 2000
 //! M. Gopi, S. Krishnan, C. T. Silva: *Surface reconstruction based on lower dimensional localized Delaunay
 //! triangulation.* Computer Graphics Forum (Proceedings of Eurographics) 19(3), 467–478, 2000.
+//!
+//! # Sun, Ovsjanikov & Guibas 2009
+//! J. Sun, M. Ovsjanikov, L. Guibas: *A concise and provably informative multi-scale signature based on heat
+//! diffusion.* Computer Graphics Forum (Symposium on Geometry Processing) 28(5), 1383–1392, 2009.
+//!
+//! # Crane, Weischedel & Wardetzky 2013
+//! K. Crane, C. Weischedel, M. Wardetzky: *Geodesics in heat: a new approach to computing distance based on heat
+//! flow.* ACM Transactions on Graphics 32(5), 152, 2013.
+//!
+//! # Sharp & Crane 2020
+//! N. Sharp, K. Crane: *A Laplacian for nonmanifold triangle meshes.* Computer Graphics Forum (Symposium on
+//! Geometry Processing) 39(5), 69–80, 2020.

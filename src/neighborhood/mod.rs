@@ -1,6 +1,7 @@
 //! Vertex to neighborhood: who is within the window, in which frame, with which weight; and a
 //! neighborhood as values on a fixed stencil.
 
+mod charts;
 mod descriptor;
 mod frame;
 mod flatten;
@@ -11,6 +12,7 @@ mod stencil;
 mod surface;
 mod window;
 
+pub use charts::{Charts, Next};
 pub use descriptor::{Descriptor, Mask};
 pub use frame::{Frame, local_frames};
 pub use frame_field::smooth_frames;

@@ -7,7 +7,8 @@ use rayon::prelude::*;
 
 use super::flatten::Flattening;
 use super::gather::walk_over;
-use super::{Place, Stencil, Surface};
+use super::surface::Reached;
+use super::{Charts, Place, Stencil, Surface};
 
 /// No triangle: the offset is not on the surface.
 const NONE: u32 = u32::MAX;
@@ -24,6 +25,14 @@ impl Spot {
         triangle: NONE,
         shares: [0.0; 2],
     };
+
+    fn of(reached: &Reached) -> Self {
+        let [_, b, c] = reached.weights();
+        Self {
+            triangle: reached.triangle(),
+            shares: [b, c],
+        }
+    }
 
     pub(super) fn is_somewhere(&self) -> bool {
         self.triangle != NONE
@@ -62,17 +71,60 @@ impl Spots {
                     0..numbers,
                     |j, reached| {
                         if let Some(reached) = reached {
-                            let [_, b, c] = reached.weights();
-                            row[j] = Spot {
-                                triangle: reached.triangle(),
-                                shares: [b, c],
-                            };
+                            row[j] = Spot::of(&reached);
                         }
                         ControlFlow::Continue(())
                     },
                 );
             },
         );
+        Self {
+            offsets,
+            spots,
+            corners: surface.triangles(),
+        }
+    }
+
+    /// Geodesic fans around all vertices: J = 1 + `rings` · `spokes` offsets, the vertex itself, then ring after ring, `spacing`
+    /// apart, the spokes of each counterclockwise. Beyond the surface's rim the offset is where the spoke last was on the
+    /// surface, so that every offset of every vertex with a triangle is somewhere.
+    ///
+    /// # Panics
+    /// If the surface has 2³² vertices or more.
+    ///
+    /// # Reference
+    /// [Zelinka & Garland 2004](crate::bibliography#zelinka--garland-2004), §3.
+    #[must_use]
+    pub fn fans(
+        surface: &Surface,
+        charts: &Charts,
+        [rings, spokes]: [usize; 2],
+        spacing: f32,
+    ) -> Self {
+        let offsets = 1 + rings * spokes;
+        let vertices = surface.positions().len();
+        let mut spots = vec![Spot::NOWHERE; offsets * vertices];
+        let numbers = 0..u32::try_from(vertices).expect("vertices are u32");
+        (spots.par_chunks_mut(offsets).zip(numbers)).for_each(|(row, v)| {
+            let Some(center) = charts.place(surface, v, 0.0) else {
+                return;
+            };
+            let center = Spot::of(&surface.start(&center));
+            row[0] = center;
+            for spoke in 0..spokes {
+                let mut last = center;
+                let angle = std::f32::consts::TAU * spoke as f32 / spokes as f32;
+                let mut reached = charts
+                    .place(surface, v, angle)
+                    .map(|place| surface.start(&place));
+                for ring in 1..=rings {
+                    let offset = [ring as f32 * spacing, 0.0];
+                    reached = reached.and_then(|from| surface.step(&from, offset));
+                    last = reached.as_ref().map_or(last, Spot::of);
+                    row[1 + (ring - 1) * spokes + spoke] = last;
+                }
+            }
+        });
         Self {
             offsets,
             spots,

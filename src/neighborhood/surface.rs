@@ -167,6 +167,64 @@ impl Surface {
         (across != NONE).then_some(across >> 2)
     }
 
+    /// The triangle at a vertex, and the number of its corner there, that the others follow counterclockwise, and whether they go
+    /// all around it; `None` if no triangle has the vertex.
+    pub(super) fn first_wedge(&self, v: u32) -> Option<((u32, usize), bool)> {
+        let triangle = self.a_triangle[v as usize];
+        let flat = self.flats.get(triangle as usize)?;
+        let start = (triangle, flat.corners.iter().position(|c| *c == v)?);
+        let mut at = start;
+        for _ in 0..MOST_CROSSINGS {
+            let across = self.flats[at.0 as usize].across[at.1];
+            if across == NONE {
+                return Some((at, false));
+            }
+            at = (across >> 2, ((across & 3) as usize + 1) % 3);
+            if at == start {
+                return Some((start, true));
+            }
+        }
+        Some((start, false))
+    }
+
+    /// The triangle counterclockwise next to one at a corner, and its corner there.
+    pub(super) fn counterclockwise(&self, triangle: u32, corner: usize) -> Option<(u32, usize)> {
+        let across = self.flats[triangle as usize].across[(corner + 2) % 3];
+        (across != NONE).then_some((across >> 2, (across & 3) as usize))
+    }
+
+    /// The angle at a corner of a triangle, and the lengths of the two edges there, counterclockwise.
+    pub(super) fn opening(&self, triangle: u32, corner: usize) -> (f32, [f32; 2]) {
+        let flat = &self.flats[triangle as usize];
+        let at = flat.corner(corner);
+        let [x, y] = [1, 2].map(|k| {
+            let to = flat.corner((corner + k) % 3);
+            [to[0] - at[0], to[1] - at[1]]
+        });
+        let [along, across] = product(y, [x[0], -x[1]]);
+        (across.atan2(along), [x, y].map(|e| e[0].hypot(e[1])))
+    }
+
+    /// A corner of a triangle, with the frame's first axis turned by an angle from the edge to the next corner.
+    #[inline]
+    pub(super) fn at_corner(&self, triangle: u32, corner: usize, angle: f32) -> Place {
+        let flat = &self.flats[triangle as usize];
+        let (sin, cos) = angle.sin_cos();
+        Place {
+            triangle,
+            at: flat.corner(corner),
+            axis: product(flat.direction(corner), [cos, sin]),
+        }
+    }
+
+    /// The angle of a place's axis to the edge from a corner of its triangle to the next one, from -π to π.
+    #[inline]
+    pub(super) fn angle_at(&self, place: &Place, corner: usize) -> f32 {
+        let [x, y] = self.flats[place.triangle as usize].direction(corner);
+        let [along, across] = product(place.axis, [x, -y]);
+        across.atan2(along)
+    }
+
     /// The corners of a triangle.
     #[must_use]
     pub fn corners(&self, triangle: u32) -> [u32; 3] {
@@ -242,10 +300,17 @@ impl Surface {
     /// the scan's unit), with the frame carried along; `None` where the surface ends before.
     #[must_use]
     pub fn walk(&self, place: &Place, offset: [f32; 2]) -> Option<Place> {
-        let start = self.start(place);
         // In steps below a triangle's size, so that the triangles are those along the straight line.
         let typical = self.flats[place.triangle as usize].bx;
-        let steps = (offset[0].hypot(offset[1]) / (0.5 * typical)).ceil();
+        self.walk_by(place, offset, 0.5 * typical)
+    }
+
+    /// The same in steps of a given length at most.
+    #[must_use]
+    #[inline]
+    pub fn walk_by(&self, place: &Place, offset: [f32; 2], step: f32) -> Option<Place> {
+        let start = self.start(place);
+        let steps = (offset[0].hypot(offset[1]) / step).ceil();
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -253,8 +318,8 @@ impl Surface {
         )]
         let steps = steps.clamp(1.0, 1024.0) as u16;
         let mut reached = start;
-        for step in 1..=steps {
-            let share = f32::from(step) / f32::from(steps);
+        for number in 1..=steps {
+            let share = f32::from(number) / f32::from(steps);
             reached = self.step(&reached, [offset[0] * share, offset[1] * share])?;
         }
         Some(Place {
