@@ -26,6 +26,8 @@ pub enum Stage {
     Suiting = 7,
     /// The order in which a mesh is textured, and the values that it begins with.
     Texture = 8,
+    /// Places that a transfer between meshes tries.
+    Transfer = 9,
 }
 
 /// A stream of random numbers.

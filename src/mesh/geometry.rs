@@ -177,6 +177,25 @@ mod tests {
     use super::*;
 
     #[test]
+    fn vertices_that_a_joined_seam_left_alone_have_the_normal_of_their_place() {
+        let corners = [
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [-0.0, 0.0, 0.0],
+            [7.0, 0.0, 0.0],
+        ];
+        let mesh = TriMesh {
+            positions: corners.map(Point3::from).to_vec(),
+            triangles: vec![[4, 1, 2]],
+        };
+        let normals = seam_normals(&mesh);
+        assert_eq!(normals[..5], [Vector3::z(); 5]);
+        assert_eq!(normals[5], Vector3::zeros());
+    }
+
+    #[test]
     fn a_gradient_is_that_of_a_linear_function() {
         let mesh = TriMesh {
             positions: vec![

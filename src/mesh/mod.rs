@@ -12,6 +12,7 @@ mod closest;
 mod disjoint_sets;
 mod geometry;
 mod joined;
+mod laplacian;
 mod lookup;
 mod nearest;
 mod point_triangle;
@@ -29,6 +30,7 @@ pub use geometry::{
     vertex_normals,
 };
 pub(crate) use joined::{ALONE, opposite_half_edges};
+pub use laplacian::{Factor, IntrinsicTriangle, Laplacian};
 pub use lookup::{SurfaceLookup, SurfacePlace};
 pub use nearest::{Nearest, PointTree};
 pub(crate) use point_triangle::PreparedTriangle;
