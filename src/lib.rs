@@ -20,6 +20,7 @@
 //! | [`likeness`] | surface + piece → how far the piece is from the rest, in units of natural variation | ISO 25178-2 |
 //! | [`completion`] | scan → completed scan, grown from the front inwards | Appendix A |
 //! | [`texture`] | sample + mesh → the mesh with that texture, in color or as relief | [`bibliography#wei--levoy-2001`] |
+//! | [`transfer`] | source mesh + target mesh → the target with the source's texture or relief | [`bibliography#meshmatch-2012`] |
 //! | [`stats`] | completed scan → original against completed part in figures; height map → areal parameters | Table 1, Fig. 13; ISO 25178-2 |
 //! | [`evaluation`] | scan → holes cut, completed, and judged by the surface's own variation | |
 //! | [`picture`] | scan and its channels → picture, drawn on the processor; computes no figures | |
@@ -44,6 +45,7 @@ pub mod matching;
 pub mod likeness;
 pub mod completion;
 pub mod texture;
+pub mod transfer;
 pub mod stats;
 pub mod evaluation;
 pub mod picture;
