@@ -611,12 +611,17 @@ fn help_and_version_are_results() {
         "complete --help",
         "synth -h",
         "stats --version",
+        "transfer --help",
     ] {
         let run = place.done(line);
         assert!(!run.stdout.is_empty() && run.stderr.is_empty(), "{line}");
     }
     let help = String::from_utf8(place.done("--help").stdout).unwrap();
     assert!(help.contains("Exit codes"), "{help}");
+    let uses = String::from_utf8(place.done("transfer --help").stdout).unwrap();
+    for option in ["--mask painted", "--shape position", "--channel height"] {
+        assert!(uses.contains(option), "{uses}");
+    }
 }
 
 #[test]

@@ -25,6 +25,7 @@ mod scores;
 mod stats;
 mod synth;
 mod texture;
+mod transfer;
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -94,6 +95,8 @@ enum Command {
     Synth(synth::Arguments),
     /// Put the texture of a sample, an image or a scan, all over a mesh: in colour, or as relief
     Texture(texture::Arguments),
+    /// Copy colours or relief from one mesh onto another, following its shape, or from a part of a mesh onto the rest
+    Transfer(transfer::Arguments),
 }
 
 /// Runs the command line and gives its exit code.
@@ -141,6 +144,7 @@ pub(crate) fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         Command::Stats(arguments) => stats::run(arguments, &common),
         Command::Synth(arguments) => synth::run(arguments, &common),
         Command::Texture(arguments) => texture::run(arguments, &common),
+        Command::Transfer(arguments) => transfer::run(arguments, &common),
     };
     Outcome::of(name, input, reply).deliver(report)
 }
@@ -168,6 +172,7 @@ impl Command {
             Self::Stats(a) => ("stats", Some(&a.input), None),
             Self::Synth(a) => ("synth", None, Some(&a.output)),
             Self::Texture(a) => ("texture", Some(&a.input), Some(&a.output)),
+            Self::Transfer(a) => ("transfer", None, Some(&a.output)),
         };
         let mut inputs: Vec<&Path> = input.into_iter().flat_map(reading::Input::files).collect();
         if let Self::Compare(a) = self {
@@ -175,6 +180,9 @@ impl Command {
         }
         if let Self::Texture(a) = self {
             inputs.extend(a.others());
+        }
+        if let Self::Transfer(a) = self {
+            inputs.extend(a.files());
         }
         Files {
             command,
@@ -253,6 +261,22 @@ mod tests {
         let all = "relievo render in.ply -o out.png --view auto --up auto --zoom 1 --look-at all \
                    --projection perspective --size 1600x1200 --background white";
         assert_eq!(params(all), default);
+    }
+
+    #[test]
+    fn bare_transfer_arguments_are_the_librarys_defaults() {
+        let params = |line: &str| match Cli::try_parse_from(line.split(' ')).unwrap().command {
+            Command::Transfer(arguments) => arguments.params(0),
+            _ => unreachable!(),
+        };
+        let default = relievo::transfer::TransferParams::default();
+        let bare = "relievo transfer --source a.ply --target b.ply -o out.ply";
+        assert_eq!(params(bare), default);
+        let all = "--shape heat-kernel --up y --source-up 0,1,0 --shape-weight 0.2 --scale 1 --rounds 5 \
+                   --rotations all --final nearest --coherence 0.3 --overuse 0.02 --audit 0";
+        assert_eq!(params(&format!("{bare} {all}")), default);
+        let turned = params(&format!("{bare} --up z --source-up none"));
+        assert_eq!(turned.up, [None, Some(nalgebra::Vector3::z())]);
     }
 
     #[test]

@@ -59,6 +59,11 @@ impl Reading {
         }
     }
 
+    /// The image of colours beside a depth image.
+    pub(super) fn color_image(&self) -> Option<&Path> {
+        self.color_image.as_deref()
+    }
+
     /// A file that is read like this.
     pub(super) fn of(&self, path: &Path) -> Input {
         Input {
@@ -81,10 +86,7 @@ impl Input {
 
     /// All files that are read: the scan first.
     pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
-        [Some(&self.path), self.reading.color_image.as_ref()]
-            .into_iter()
-            .flatten()
-            .map(PathBuf::as_path)
+        std::iter::once(self.path.as_path()).chain(self.reading.color_image())
     }
 
     /// Another file, read in the same way.

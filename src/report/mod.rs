@@ -2,7 +2,7 @@
 //! plots, and scans to turn in three dimensions.
 //!
 //! Nothing is computed here but which vertices are shown: figures come in, HTML goes out. A [`Page`] is plain
-//! data; one file a command turns the command's results into one ([`completed`], [`compared`], [`textured`]). The page carries plotly.js,
+//! data; one file a command turns the command's results into one ([`completed`], [`compared`], [`textured`], [`transferred`]). The page carries plotly.js,
 //! so that it works from `file://` and in ten years. The same page is written in the same bytes.
 //!
 //! A build without the feature `report` has all of this but plotly.js, and so cannot write pages:
@@ -11,6 +11,7 @@
 mod completed;
 mod compared;
 mod error;
+mod histograms;
 mod library;
 mod markup;
 mod number;
@@ -21,6 +22,7 @@ mod settings;
 mod table;
 mod textured;
 mod thinned;
+mod transferred;
 mod view;
 mod words;
 
@@ -32,4 +34,5 @@ pub use page::{Block, Page, Section};
 pub use plot::{Axis, Marks, Part, Plot, Series};
 pub use table::{Column, Table};
 pub use textured::{TexturedPage, textured};
+pub use transferred::{TransferredPage, transferred};
 pub use view::{Channel, MOST_SHOWN, Values, View};

@@ -5,9 +5,9 @@ use nalgebra::Vector3;
 use super::number::{count, counted, number};
 use super::settings::plain;
 use super::view::{Channel, MOST_SHOWN, Values, View};
-use super::{Axis, Block, Column, Marks, Page, Part, Plot, Section, Series, Table};
+use super::{Block, Column, Page, Section, Table, histograms};
 use crate::mesh::TriMesh;
-use crate::stats::{ColorComparison, Histogram};
+use crate::stats::ColorComparison;
 use crate::texture::{Density, LevelReport, Method, Orientation, Sample, TextureParams, Textured};
 
 /// What the command `texture` was given, and what came out.
@@ -161,42 +161,14 @@ fn direction_color(direction: &Vector3<f64>) -> [u8; 3] {
 
 /// Histograms of the sample and of the mesh.
 fn against_sample(done: &TexturedPage) -> Option<Section> {
-    let colors = done.colors?;
-    let is_grey = (colors[1..].iter())
-        .all(|c| c.original == colors[0].original && c.completed == colors[0].completed);
-    let shown = &colors[..if is_grey { 1 } else { 3 }];
-    let plot = |color: &ColorComparison| {
-        let name = if is_grey { "grey" } else { color.channel };
-        Block::Plot(Plot {
-            caption: format!(
-                "Histogram of {name} (correlation {})",
-                number(color.correlation)
-            ),
-            x: Axis::linear(&format!("{name}, 0 to 1")),
-            y: Axis::linear("share of pixels or vertices"),
-            series: vec![
-                bars("sample", Part::Original, &color.original),
-                bars("textured mesh", Part::Completed, &color.completed),
-            ],
-        })
-    };
     Some(Section {
         heading: "Against the sample".to_owned(),
-        blocks: shown.iter().map(plot).collect(),
+        blocks: histograms::blocks(
+            done.colors?,
+            ["sample", "textured mesh"],
+            "pixels or vertices",
+        ),
     })
-}
-
-fn bars(name: &str, part: Part, histogram: &Histogram) -> Series {
-    let bins = histogram.shares.len();
-    Series {
-        name: name.to_owned(),
-        part,
-        marks: Marks::Bars,
-        x: (0..bins)
-            .map(|bin| (bin as f64 + 0.5) / bins as f64)
-            .collect(),
-        y: histogram.shares.clone(),
-    }
 }
 
 /// What was done before, and on each level.

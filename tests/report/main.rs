@@ -7,6 +7,8 @@ mod common;
 mod browser;
 #[cfg(feature = "image")]
 mod textured;
+#[cfg(feature = "image")]
+mod transferred;
 
 use common::place::Place;
 use common::{holed, say_skipped};

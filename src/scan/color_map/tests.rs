@@ -362,3 +362,13 @@ fn real_scans_show_their_images_between_vertices() {
         assert!(mean < 4.0, "{}: {mean}", path.display());
     }
 }
+
+/// Values at a point between three corners.
+fn mixed<const N: usize>(corners: [[f64; N]; 3], shares: [f64; 3]) -> [f64; N] {
+    let place = SurfacePlace {
+        triangle: 0,
+        corners: [0, 1, 2],
+        shares,
+    };
+    place.mixed(corners)
+}
