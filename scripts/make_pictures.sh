@@ -74,6 +74,10 @@ awk 'BEGIN {
 }' >"$folder/ring.obj"
 "$RELIEVO" texture "$folder/ring.obj" -e "$folder/wall.ply" --vertices 60000 --symmetry 2 -o "$folder/texture.ply" -q >/dev/null
 picture texture relief --size 400x350 --channel color --up z --view 20,35
+"$RELIEVO" render "$folder/ball.ply" --channel shape -o "$out/transfer-source.png" --size 400x350 --up z --view 20,15 -q
+"$RELIEVO" transfer --source "$folder/ball.ply" --target "$folder/ring.obj" --channel height --shape none --up none \
+    --final vote -o "$folder/transfer.ply" -q >/dev/null
+picture transfer relief --size 400x350 --channel shape --up z --view 20,35
 
 shared=../shared/data
 if [ ! -d "$shared" ]; then
