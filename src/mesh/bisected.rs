@@ -20,6 +20,12 @@ pub struct Bisected {
 }
 
 impl Bisected {
+    /// Number of the original vertices.
+    #[must_use]
+    pub fn originals(&self) -> usize {
+        self.mesh.positions.len() - self.parents.len()
+    }
+
     /// Values at all vertices from those at the original ones: the original ones as they are, then the means of
     /// the parents', which is linear on each original triangle.
     ///
@@ -28,8 +34,11 @@ impl Bisected {
     #[must_use]
     pub fn interpolate<const N: usize>(&self, values: &[[f64; N]]) -> Vec<[f64; N]> {
         let vertices = self.mesh.positions.len();
-        let originals = vertices - self.parents.len();
-        assert_eq!(values.len(), originals, "one row for each original vertex");
+        assert_eq!(
+            values.len(),
+            self.originals(),
+            "one row for each original vertex"
+        );
         let mut all = Vec::with_capacity(vertices);
         all.extend_from_slice(values);
         for [a, b] in &self.parents {

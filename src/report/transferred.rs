@@ -81,7 +81,7 @@ fn lead(page: &TransferredPage) -> String {
         "The {what} {} {} {onto}, at {}",
         page.source,
         if what == "relief of" { "is" } else { "are" },
-        counted(done.mesh.positions.len(), "vertex", "vertices"),
+        counted(done.finer.mesh.positions.len(), "vertex", "vertices"),
     );
     if let Some(finest) = done.report.levels.first() {
         text.push_str(&format!(
@@ -105,7 +105,7 @@ fn views(page: &TransferredPage) -> Vec<View> {
     let done = page.done;
     let after = TriMesh {
         positions: page.positions.to_vec(),
-        triangles: done.mesh.triangles.clone(),
+        triangles: done.finer.mesh.triangles.clone(),
     };
     let places = places(page.mesh);
     let shown = |caption: String, mesh: &TriMesh, channels| {

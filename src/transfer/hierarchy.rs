@@ -23,6 +23,8 @@ pub struct Hierarchy {
 impl Hierarchy {
     /// Of a mesh, whose vertices must all be used, on levels of `counts` vertices (descending; the first not above the mesh's
     /// own). Levels end where no more edges can be collapsed.
+    ///
+    /// The second value has for each vertex of the given mesh the vertex of the finest level that stands for it.
     #[must_use]
     pub fn new(mesh: &TriMesh, counts: &[usize]) -> (Self, Vec<u32>) {
         let mut collapse = Collapse::new(mesh);

@@ -17,8 +17,6 @@ const NONE: u32 = u32::MAX;
 pub(super) struct Ready {
     /// The given mesh with vertices added on its edges.
     pub(super) fine: Bisected,
-    /// Vertices of the given mesh.
-    pub(super) given: usize,
     /// The part that has faces, around the origin.
     pub(super) surface: TriMesh,
     /// By vertex of the surface: which it is of `fine`.
@@ -52,7 +50,6 @@ pub(super) fn checked(mesh: &TriMesh, of_source: bool) -> Result<usize, Transfer
 impl Ready {
     /// With at least `vertices` vertices that have faces.
     pub(super) fn new(mesh: &TriMesh, vertices: usize) -> Self {
-        let given = mesh.positions.len();
         let unused = mesh.used_vertices().iter().filter(|used| !**used).count();
         let fine = bisected(mesh, vertices + unused);
         let used = fine.mesh.used_vertices();
@@ -81,7 +78,6 @@ impl Ready {
         Self {
             surface,
             fine,
-            given,
             vertices,
             numbers,
         }
@@ -113,7 +109,8 @@ impl Ready {
     /// The vertex of the given mesh at one of the surface, or at an end of the edge that it was put on.
     pub(super) fn given_vertex(&self, v: u32) -> u32 {
         let mut v = self.vertices[v as usize] as usize;
-        while let Some(parents) = v.checked_sub(self.given).map(|new| self.fine.parents[new]) {
+        let given = self.fine.originals();
+        while let Some(parents) = v.checked_sub(given).map(|new| self.fine.parents[new]) {
             v = parents[0] as usize;
         }
         number(v)

@@ -41,9 +41,12 @@ fn mean_difference(found: &[[f64; 3]], truth: &[[f64; 3]]) -> f64 {
 
 /// What every result must be like.
 fn assert_whole(done: &Transferred, source: &TriMesh, target: &TriMesh) {
-    let count = done.mesh.positions.len();
-    assert_eq!(done.originals, target.positions.len());
-    assert_eq!(done.mesh.positions[..done.originals], target.positions[..]);
+    let count = done.finer.mesh.positions.len();
+    assert_eq!(done.finer.originals(), target.positions.len());
+    assert_eq!(
+        done.finer.mesh.positions[..done.finer.originals()],
+        target.positions[..]
+    );
     assert_eq!(done.sources.len(), count);
     assert_eq!(done.rotations.len(), count);
     assert_eq!(done.costs.len(), count);

@@ -1,6 +1,6 @@
 //! The target with what was on the source.
 
-use crate::mesh::TriMesh;
+use crate::mesh::Bisected;
 use crate::progress::StageTime;
 
 use super::levels::Done;
@@ -14,9 +14,7 @@ use super::{Last, TransferParams};
 #[derive(Debug, Clone)]
 pub struct Transferred {
     /// The target: its own vertices first, bit by bit where they were, then those that were put on its edges.
-    pub mesh: TriMesh,
-    /// Number of the target's own vertices.
-    pub originals: usize,
+    pub finer: Bisected,
     /// #V intensities from 0 to 1, if the source has colors.
     pub colors: Option<Vec<[f64; 3]>>,
     /// #V heights over the mesh, in its unit, if the source has heights; scaled as lengths are from source to target.
@@ -83,7 +81,6 @@ pub(super) fn result(
     let at = |v: &u32| *v as usize;
     let ratio = f64::from(onto.spacing / from.spacing);
     Transferred {
-        originals: target.given,
         colors: values.has_colors.then(|| {
             let color = |v| std::array::from_fn(|k| f64::from(last[at(v) * count + k]));
             nearest.iter().map(color).collect()
@@ -98,7 +95,7 @@ pub(super) fn result(
             .collect(),
         rotations: nearest.iter().map(|v| rotations[at(v)]).collect(),
         costs: nearest.iter().map(|v| field[at(v)].cost).collect(),
-        mesh: target.fine.mesh.clone(),
+        finer: target.fine.clone(),
         report: TransferReport { levels, stages },
     }
 }

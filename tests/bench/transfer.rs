@@ -215,7 +215,7 @@ fn copies() -> Result<()> {
                         _ => other.back(p),
                     };
                     let [error, floor] = error(source, &transferred, back).map(|e| 255.0 * e);
-                    let vertices = transferred.mesh.positions.len();
+                    let vertices = transferred.finer.mesh.positions.len();
                     println!(
                         "| {name} | {onto} | {shape:?} | {last:?} | {vertices} | {error:.2} | {floor:.2} |"
                     );

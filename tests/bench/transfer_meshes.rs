@@ -96,7 +96,7 @@ pub(crate) fn error(
     let closest = ClosestPoints::new(&source.mesh);
     let colors = transferred.colors.iter().flatten();
     let mut sums = [0.0; 2];
-    for (p, color) in transferred.mesh.positions.iter().zip(colors) {
+    for (p, color) in transferred.finer.mesh.positions.iter().zip(colors) {
         let Some((triangle, shares, _)) = closest.closest(&back(p), None) else {
             return [f64::NAN; 2];
         };
@@ -108,5 +108,5 @@ pub(crate) fn error(
             sums[1] += (corners[nearest.unwrap_or(0)][k] - expected).abs() / 3.0;
         }
     }
-    sums.map(|sum| sum / transferred.mesh.positions.len() as f64)
+    sums.map(|sum| sum / transferred.finer.mesh.positions.len() as f64)
 }

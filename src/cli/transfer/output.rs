@@ -59,7 +59,7 @@ impl<'a> Onto<'a> {
     ) -> Result<Vec<Point3<f64>>, Failure> {
         let name = self.arguments.target_input().name();
         let own = self.surface.scan.vertices.rows;
-        let all = done.mesh.positions.len();
+        let all = done.finer.mesh.positions.len();
         let has_relief = done.heights.is_some();
         let is_finer =
             all > own && !self.arguments.keep_mesh && (has_relief || !output.has_image());
@@ -74,7 +74,7 @@ impl<'a> Onto<'a> {
         };
         let mut image = None;
         if let (true, Some(colors)) = (output.has_image(), &done.colors) {
-            let drawn = texture_image(to, &shown.scan, &done.mesh, colors, known);
+            let drawn = texture_image(to, &shown.scan, &done.finer.mesh, colors, known);
             image = Some(drawn.with_context(|| name.clone())?);
         } else if self.arguments.keep_mesh && done.colors.is_some() {
             warn_of_loss(&name, own, all);
@@ -88,7 +88,7 @@ impl<'a> Onto<'a> {
         if shown.scan.vertices.rows == all {
             Ok(shown.scan.positions())
         } else {
-            Ok(done.mesh.positions.clone())
+            Ok(done.finer.mesh.positions.clone())
         }
     }
 
@@ -108,14 +108,14 @@ impl<'a> Onto<'a> {
             uv = uv.and_then(|_| scan.texture_coordinates());
         }
         // As the library has done it.
-        let finer = bisected(&self.mesh, done.mesh.positions.len());
+        let finer = bisected(&self.mesh, done.finer.mesh.positions.len());
         debug_assert_eq!(
-            finer.mesh.triangles, done.mesh.triangles,
+            finer.mesh.triangles, done.finer.mesh.triangles,
             "the same vertices"
         );
         Shown {
             scan: scan.refined(&finer, uv.as_deref()),
-            mesh: done.mesh.clone(),
+            mesh: done.finer.mesh.clone(),
             finer: Some(finer),
         }
     }
