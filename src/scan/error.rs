@@ -239,6 +239,20 @@ pub enum ScanError {
         /// The path of the output.
         name: String,
     },
+    /// The output is no file that was read.
+    #[error("{name} is read as well, and would be overwritten; choose another name")]
+    WouldReplaceInput {
+        /// The path of the output.
+        name: String,
+    },
+    /// What is replaced was written by the same work before.
+    #[error(
+        "{name} exists and was not written by this work; choose another place, or allow it with --overwrite"
+    )]
+    WouldReplace {
+        /// The path of the output.
+        name: String,
+    },
     /// Several files go to several names.
     #[error(
         "a mesh with a texture image cannot go to standard output: name a file that ends in .ply, .obj or .glb"
@@ -293,6 +307,25 @@ pub enum ScanError {
 }
 
 impl ScanError {
+    /// Whether it is about a file that was to be written, and not about one that was read.
+    #[must_use]
+    pub fn is_of_writing(&self) -> bool {
+        matches!(
+            self,
+            Self::CannotWriteFormat { .. }
+                | Self::NoFacesToWrite { .. }
+                | Self::NoFolder { .. }
+                | Self::WouldOverwrite { .. }
+                | Self::TextureToStdout
+                | Self::NoTextureFormat { .. }
+                | Self::NoTextureCoordinates { .. }
+                | Self::Foreign { .. }
+                | Self::UnusableName { .. }
+                | Self::ClosedPipe { .. }
+                | Self::Write { .. }
+        )
+    }
+
     /// Why an output could not be written.
     pub(super) fn writing(name: &str, source: io::Error) -> Self {
         let name = name.to_owned();

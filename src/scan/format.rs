@@ -8,7 +8,7 @@ use super::options::{ReadOptions, WriteOptions};
 use super::source::{Parsed, Source};
 use super::{
     OutputFile, Scan, ScanError, e57, gltf, las, obj, off, pcd, ply, ptx, range_grid, stl,
-    texture_coordinates, xyz,
+    texture_coordinates, trace, xyz,
 };
 
 /// A file format.
@@ -253,7 +253,9 @@ pub(super) fn load(path: &Path, name: &str) -> Result<Vec<u8>, ScanError> {
     if std::fs::metadata(path).is_ok_and(|m| is_endless(m.file_type())) {
         return Err(ScanError::IsDevice { name });
     }
-    std::fs::read(path).map_err(|source| match source.kind() {
+    let read = std::fs::read(path);
+    trace::has_read(path, read.as_deref().ok());
+    read.map_err(|source| match source.kind() {
         ErrorKind::NotFound => ScanError::NotFound { name },
         _ => ScanError::Read { name, source },
     })

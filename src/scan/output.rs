@@ -1,13 +1,12 @@
 //! A file that appears whole or not at all.
 
 use std::collections::BTreeSet;
-use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, Stdout, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::ScanError;
+use super::{ScanError, temporary, trace};
 
 /// An output that is checked when it is opened and appears when it is complete.
 ///
@@ -110,7 +109,10 @@ impl OutputFile {
             Some(old) if old.permissions().readonly() => {
                 return Err(write_error(ErrorKind::PermissionDenied.into()));
             }
-            _ => Sink::Held(Some(Held::create(&name, target)?)),
+            _ => {
+                trace::will_write(&target, &name)?;
+                Sink::Held(Some(Held::create(&name, target)?))
+            }
         };
         if let (Sink::Held(Some(held)), Some(old)) = (&sink, &old) {
             // A file that is replaced keeps its permissions. Not all file systems have them.
@@ -126,6 +128,15 @@ impl OutputFile {
     /// # Errors
     /// [`ScanError::Write`]; the temporary file is removed then.
     pub fn commit(mut self) -> Result<(), ScanError> {
+        if let Sink::Held(Some(held)) = &mut self.sink {
+            let settled = held.settle();
+            settled.map_err(|source| self.error(source))?;
+        }
+        if let Sink::Held(Some(held)) = &self.sink {
+            // Somebody may have put a file there meanwhile.
+            trace::will_write(&held.target, &self.name)?;
+            trace::note(&held.target, &held.temporary)?;
+        }
         let result = match &mut self.sink {
             Sink::Held(held) => held.take().map_or(Ok(()), Held::finish),
             Sink::Device(file) => file.flush(),
@@ -205,10 +216,8 @@ impl Held {
         }
         let mut number = 0u32;
         loop {
-            let mut temporary = OsString::from(".");
-            temporary.push(target.file_name().unwrap_or_default());
-            temporary.push(format!(".{}-{number}.tmp", std::process::id()));
-            let temporary = folder.join(temporary);
+            let file = target.file_name().unwrap_or_default();
+            let temporary = folder.join(temporary::name(file, number));
             let mut known = temporaries();
             match File::create_new(&temporary) {
                 Ok(file) => {
@@ -236,11 +245,12 @@ impl Held {
         self.file.get_ref().sync_data()
     }
 
-    fn finish(mut self) -> io::Result<()> {
-        self.settle()?;
+    /// What is settled gets its name.
+    fn finish(self) -> io::Result<()> {
         let mut known = temporaries();
         fs::rename(&self.temporary, &self.target)?;
         known.remove(&self.temporary);
+        trace::has_written(&self.target);
         Ok(())
     }
 }

@@ -5,6 +5,7 @@ use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
 use super::source::Source;
+use super::trace;
 
 /// Largest file that is read, in bytes: larger than the textures and buffers of any scan that fits
 /// into memory.
@@ -20,7 +21,10 @@ impl Source<'_> {
         let Some(folder) = self.folder else {
             return Err("it is not looked for, since the folder of the scan is unknown".to_owned());
         };
-        let path = find(folder, reference).ok_or("there is no such file")?;
+        let Some(path) = find(folder, reference) else {
+            trace::has_read(&folder.join(reference), None);
+            return Err("there is no such file".to_owned());
+        };
         let file = File::open(&path).map_err(|error| error.to_string())?;
         let size = file.metadata().map_err(|error| error.to_string())?.len();
         if size > LARGEST {
@@ -29,6 +33,7 @@ impl Source<'_> {
         let mut bytes = Vec::new();
         let done = file.take(LARGEST).read_to_end(&mut bytes);
         done.map_err(|error| error.to_string())?;
+        trace::has_read(&path, Some(&bytes));
         Ok(bytes)
     }
 }

@@ -34,6 +34,21 @@ struct Beside {
 }
 
 impl TexturedOutput {
+    /// The files that appear beside a mesh of this name, if it is written with a texture image.
+    #[must_use]
+    pub fn beside(path: &Path) -> Vec<PathBuf> {
+        let extensions: &[&str] = match Format::of_path(path) {
+            // Standard output has nothing beside it.
+            _ if path == Path::new("-") => &[],
+            Ok(Format::Ply) => &["png"],
+            Ok(Format::Obj) => &["mtl", "png"],
+            _ => &[],
+        };
+        (extensions.iter())
+            .map(|extension| path.with_extension(extension))
+            .collect()
+    }
+
     /// Opens the outputs. None may be one of the `protected` files (inputs), nor may what is beside the mesh be
     /// there already if the mesh is not: it is somebody else's then.
     ///
