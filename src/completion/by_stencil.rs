@@ -1,28 +1,26 @@
 //! What to copy by neighborhoods on a stencil: coherent search, or all places.
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
-use crate::matching::coherent::{self, Search, continuation};
+use crate::matching::coherent::{self, Search};
 use crate::matching::exemplar::{Exemplar, ExemplarParams, least_bytes};
 use crate::matching::exhaustive;
 use crate::matching::query::{Found, Origin, Query};
-use crate::neighborhood::{
-    Among, Channels, Descriptor, Frame, Place, Stencil, Surface, View, Walker,
-};
+use crate::neighborhood::{Among, Descriptor, Frame, Place, Stencil, View, Walker};
 use crate::rng::{Rng, Stage};
 
 use super::audit::{Audit, Verdict};
+use super::ground::Ground;
 use super::growth::{Canvas, Copied, Matcher, Wanted};
 use super::report::Searched;
-use super::smooth_part::SmoothPart;
 
 /// How to match on a stencil.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct StencilParams {
     pub(super) window: usize,
     pub(super) spacing: f64,
-    /// μ: share of colour in the cost.
-    pub(super) mu: f64,
     /// Whether what continues the neighbors' sources is looked at; else only all the sites are.
     pub(super) coherent: bool,
     pub(super) exemplar: ExemplarParams,
@@ -35,19 +33,32 @@ pub(super) struct StencilParams {
     pub(super) seed: [u32; 2],
 }
 
+impl StencilParams {
+    /// Whether all is as [`super::CompleteParams::check`] lets it be.
+    pub(super) fn is_in_range(&self) -> bool {
+        let Self {
+            exemplar, search, ..
+        } = self;
+        (1..=50).contains(&self.window)
+            && self.spacing > 0.0
+            && self.spacing.is_finite()
+            && (1..=360).contains(&exemplar.rotations)
+            && exemplar.most_sites >= 1
+            && search.coherence >= 0.0
+            && search.coherence.is_finite()
+            && (0.0..=100.0).contains(&search.tolerance)
+            && (0.0..=1.0).contains(&self.audit)
+            && !self.bootstrap
+    }
+}
+
 /// A matcher on a stencil.
 pub(super) struct ByStencil {
     params: StencilParams,
-    surface: Surface,
+    ground: Ground,
     stencil: Stencil,
-    channels: Channels,
-    scale: Scale,
     exemplar: Exemplar,
     audit: Option<Audit>,
-    frames: Vec<Frame>,
-    smooth: SmoothPart,
-    /// By target: where it was copied from.
-    sources: Vec<Option<Place>>,
     searched: Searched,
 }
 
@@ -58,84 +69,17 @@ pub(super) struct Source {
     verdict: Option<Verdict>,
 }
 
-/// From heights and colours to channels whose squared differences add up to a cost in [0, 1].
-#[derive(Debug, Clone, Copy)]
-struct Scale {
-    /// Height that becomes 0.
-    middle: f64,
-    height: f64,
-    color: f64,
-}
-
-impl Scale {
-    /// Shares of shape and colour as in the paper's metric: over the square of the range of heights,
-    /// and over 3, the largest squared distance of two colours.
-    fn new(canvas: &Canvas, samples: &[bool], mu: f64) -> Self {
-        let none = [f64::INFINITY, f64::NEG_INFINITY];
-        let [low, high] = (canvas.relief.heights.iter().zip(samples))
-            .filter(|(_, is)| **is)
-            .fold(none, |[low, high], (h, _)| [low.min(*h), high.max(*h)]);
-        let mu = if canvas.colors.is_some() { mu } else { 0.0 };
-        let range = high - low;
-        Self {
-            middle: 0.5 * (low + high),
-            height: if range > 0.0 {
-                (1.0 - mu).sqrt() / range
-            } else {
-                0.0
-            },
-            color: (mu / 3.0).sqrt(),
-        }
-    }
-
-    #[expect(clippy::cast_possible_truncation, reason = "channels are single")]
-    fn channels(&self, canvas: &Canvas, v: usize) -> ([f32; 4], usize) {
-        let height = (canvas.relief.heights[v] - self.middle) * self.height;
-        match &canvas.colors {
-            Some(colors) if self.color > 0.0 => {
-                let [r, g, b] = colors[v].map(|c| (c * self.color) as f32);
-                ([height as f32, r, g, b], 4)
-            }
-            _ => ([height as f32, 0.0, 0.0, 0.0], 1),
-        }
-    }
-}
-
 impl ByStencil {
-    /// Over the base under scan and targets, with a frame for each vertex of the canvas, copying from the
-    /// vertices that are `samples`.
+    /// Copying from the samples of the ground.
     ///
     /// # Errors
-    /// In words, if there are no samples, or the memory does not hold the neighborhoods of one.
-    pub(super) fn new(
-        canvas: &Canvas,
-        frames: Vec<Frame>,
-        surface: Surface,
-        samples: &[bool],
-        params: StencilParams,
-    ) -> Result<Self, String> {
+    /// [`NothingToCopy`].
+    pub(super) fn new(ground: Ground, params: StencilParams) -> Result<Self, NothingToCopy> {
         let stencil = Stencil::two_scales(params.window, params.spacing);
-        let scale = Scale::new(canvas, samples, params.mu);
-        let count = scale.channels(canvas, 0).1;
-        let mut channels = Channels::new(canvas.points.len(), count);
-        for (v, is_sample) in samples.iter().enumerate() {
-            let among: &[Among] = match (canvas.known[v], is_sample) {
-                (true, true) => &[Among::Known, Among::Samples],
-                (true, false) => &[Among::Known],
-                (false, _) => continue,
-            };
-            let (values, count) = scale.channels(canvas, v);
-            channels.set(v, &values[..count], among);
-        }
-        let view = View {
-            surface: &surface,
-            channels: &channels,
-            stencil: &stencil,
-            among: Among::Samples,
-        };
-        let sites = |oversampled| sites(&view, &frames, oversampled);
+        let view = ground.view(&stencil, Among::Samples);
+        let sites = |oversampled| sites(&view, &ground.frames, oversampled);
         let exemplar = Exemplar::new(&view, sites(!params.coherent), &params.exemplar)
-            .ok_or_else(|| nothing_to_copy(&view, &params.exemplar))?;
+            .ok_or_else(|| NothingToCopy::new(&view, &params.exemplar))?;
         // Against samples that become more an audit would compare with too few.
         let audit = if params.coherent && params.audit > 0.0 && !params.bootstrap {
             let left = params.exemplar.memory - exemplar.bytes().min(params.exemplar.memory);
@@ -152,17 +96,12 @@ impl ByStencil {
             ..Searched::default()
         };
         Ok(Self {
-            sources: vec![None; canvas.points.len() - canvas.first_target],
-            smooth: SmoothPart::new(canvas, samples),
             params,
-            scale,
+            ground,
+            stencil,
             exemplar,
             audit,
-            frames,
             searched,
-            surface,
-            stencil,
-            channels,
         })
     }
 
@@ -171,40 +110,13 @@ impl ByStencil {
         self.searched
     }
 
-    fn view(&self, among: Among) -> View<'_> {
-        View {
-            surface: &self.surface,
-            channels: &self.channels,
-            stencil: &self.stencil,
-            among,
-        }
+    /// What was copied from, and where from.
+    pub(super) fn ground(&self) -> &Ground {
+        &self.ground
     }
 
-    /// Places that continue what the completed neighbors of a target were copied from, each once.
-    fn continued(&self, canvas: &Canvas, v: usize) -> Vec<Place> {
-        let feet = &canvas.relief.feet;
-        let same = 0.1 * self.stencil.spacing();
-        let mut places: Vec<Place> = Vec::new();
-        for n in canvas.adjacency.neighbors.row(v) {
-            let n = *n as usize;
-            let source = n
-                .checked_sub(canvas.first_target)
-                .and_then(|n| self.sources[n]);
-            let place = source.and_then(|source| {
-                let from = (&feet[n], &self.frames[n]);
-                continuation(&self.surface, &source, from, (&feet[v], &self.frames[v]))
-            });
-            let Some(place) = place else { continue };
-            let position = self.surface.position(&place);
-            let is_new = |known: &Place| {
-                (self.surface.position(known) - position).norm_squared() > same * same
-                    || (self.surface.axis(known) - self.surface.axis(&place)).norm_squared() > 0.01
-            };
-            if places.iter().all(is_new) {
-                places.push(place);
-            }
-        }
-        places
+    fn view(&self, among: Among) -> View<'_> {
+        self.ground.view(&self.stencil, among)
     }
 
     /// Reads what is known around a target.
@@ -216,8 +128,8 @@ impl ByStencil {
         known: &mut Descriptor,
     ) -> Option<()> {
         let v = canvas.first_target + wanted.target;
-        let axis = &self.frames[v].axes[0];
-        let place = self.surface.at_vertex(super::index(v), axis)?;
+        let axis = &self.ground.frames[v].axes[0];
+        let place = self.ground.surface.at_vertex(super::index(v), axis)?;
         // A target that was skipped sees no farther than its window.
         let count = if wanted.window < self.params.window {
             self.stencil.within(wanted.window)
@@ -243,11 +155,13 @@ impl ByStencil {
         known: &mut Descriptor,
     ) -> Option<Copied<Source>> {
         self.read_known(canvas, wanted, walker, known)?;
+        let v = canvas.first_target + wanted.target;
+        let same = 0.1 * self.stencil.spacing();
         let search = coherent::Task {
             exemplar: &self.exemplar,
             view: &self.view(Among::Samples),
             query: &Query::new(known, &self.stencil),
-            continued: &self.continued(canvas, canvas.first_target + wanted.target),
+            continued: &self.ground.continued(canvas, v, same),
             search: &self.params.search,
         };
         let mut rng = self.rng(wanted);
@@ -261,7 +175,7 @@ impl ByStencil {
     /// Search through all sites for some targets together.
     fn find_exhaustively(&self, canvas: &Canvas, wanted: &[Wanted]) -> Vec<Option<Copied<Source>>> {
         let mut walker = Walker::default();
-        let nothing = Descriptor::new(self.stencil.len(), self.channels.count());
+        let nothing = Descriptor::new(self.stencil.len(), self.ground.channels.count());
         let known: Vec<Descriptor> = (wanted.iter())
             .map(|wanted| {
                 let mut known = nothing.clone();
@@ -298,64 +212,36 @@ impl ByStencil {
     /// What is copied from a place.
     fn copied(&self, canvas: &Canvas, source: Source) -> Option<Copied<Source>> {
         let place = &source.found.place;
-        let vertex = self.measured_vertex(place)?;
+        let vertex = self.ground.measured_vertex(place)?;
         Some(Copied {
-            height: self.height(canvas, vertex, place),
+            height: self.ground.height(canvas, vertex, place),
             color: canvas.colors.as_ref().map(|colors| colors[vertex as usize]),
             vertex,
             cost: f64::from(source.found.cost).min(1.0),
             source,
         })
     }
-
-    /// The height at a place: that of its measured vertex, and what the smooth part of the relief rises
-    /// from there, within the heights measured around it. Interpolated heights would lack the scan's finest
-    /// detail; those of the nearest vertex alone would be off by up to half an edge, which looks like grain.
-    fn height(&self, canvas: &Canvas, measured: u32, place: &Place) -> f64 {
-        let height = canvas.relief.heights[measured as usize];
-        let corners = self.surface.corners(place.triangle);
-        if !corners.iter().all(|v| self.channels.is(*v, Among::Samples)) {
-            return height;
-        }
-        let weights = self.surface.barycentric(place);
-        let rise = (self.smooth).rise(&canvas.relief.feet, measured, corners, weights);
-        let around = (canvas.adjacency.neighbors.row(measured as usize).iter())
-            .filter(|n| self.channels.is(**n, Among::Samples))
-            .map(|n| canvas.relief.heights[*n as usize]);
-        let [low, high] = around.fold([height; 2], |[low, high], h| [low.min(h), high.max(h)]);
-        (height + rise).clamp(low, high)
-    }
-
-    /// The height that the source of target vertex `v` shows at vertex `n`: what would be copied to `n` if
-    /// it continued that source. `None` where samples end before.
-    pub(super) fn continued_height(&self, canvas: &Canvas, v: usize, n: usize) -> Option<f64> {
-        let source = self.sources[v.checked_sub(canvas.first_target)?]?;
-        let [from, to] = [v, n].map(|v| (&canvas.relief.feet[v], &self.frames[v]));
-        let place = continuation(&self.surface, &source, from, to)?;
-        Some(self.height(canvas, self.measured_vertex(&place)?, &place))
-    }
-
-    /// The sample nearest to a place. What is copied are its values as they were measured.
-    fn measured_vertex(&self, place: &Place) -> Option<u32> {
-        let corners = self.surface.corners(place.triangle);
-        let weights = self.surface.barycentric(place);
-        (corners.into_iter().zip(weights))
-            .filter(|(v, _)| self.channels.is(*v, Among::Samples))
-            .max_by(|a, b| a.1.total_cmp(&b.1))
-            .map(|(v, _)| v)
-    }
 }
 
 /// Why there is no exemplar.
-fn nothing_to_copy(view: &View, params: &ExemplarParams) -> String {
-    let needed = least_bytes(view, params);
-    if params.memory < needed {
-        format!(
-            "the neighborhoods of a single place take {needed} bytes, and --memory allows {}: allow more, or take a smaller --window or fewer --rotations",
-            params.memory
-        )
-    } else {
-        "there is nothing to copy from: no part of the scan lies on its base surface".to_owned()
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error, Serialize, Deserialize)]
+pub(super) enum NothingToCopy {
+    #[error(
+        "the neighborhoods of a single place take {needed} bytes, and --memory allows {allowed}: allow more, or take a smaller --window or fewer --rotations"
+    )]
+    Memory { needed: usize, allowed: usize },
+    #[error("there is nothing to copy from: no part of the scan lies on its base surface")]
+    NoSample,
+}
+
+impl NothingToCopy {
+    fn new(view: &View, params: &ExemplarParams) -> Self {
+        let (needed, allowed) = (least_bytes(view, params), params.memory);
+        if allowed < needed {
+            Self::Memory { needed, allowed }
+        } else {
+            Self::NoSample
+        }
     }
 }
 
@@ -408,7 +294,7 @@ impl Matcher for ByStencil {
                 .collect();
         }
         let scratch = || {
-            let known = Descriptor::new(self.stencil.len(), self.channels.count());
+            let known = Descriptor::new(self.stencil.len(), self.ground.channels.count());
             (Walker::default(), known)
         };
         (wanted.par_iter())
@@ -422,9 +308,8 @@ impl Matcher for ByStencil {
     fn completed(&mut self, canvas: &Canvas, target: usize, copied: &Copied<Source>) {
         let v = canvas.first_target + target;
         let Source { found, verdict } = copied.source;
-        self.sources[target] = Some(found.place);
-        let (values, count) = self.scale.channels(canvas, v);
-        self.channels.set(v, &values[..count], &[Among::Known]);
+        self.ground.set_source(v, found.place);
+        self.ground.set_known(canvas, v);
         if let (Some(recall), Some(verdict)) = (&mut self.searched.recall, verdict) {
             recall.count(verdict);
         }
@@ -439,16 +324,10 @@ impl Matcher for ByStencil {
         if !self.params.bootstrap {
             return;
         }
-        for v in canvas.first_target..canvas.points.len() {
-            if canvas.known[v] {
-                let (values, count) = self.scale.channels(canvas, v);
-                (self.channels).set(v, &values[..count], &[Among::Known, Among::Samples]);
-            }
-        }
-        self.smooth = SmoothPart::new(canvas, &canvas.known);
+        self.ground.copy_from_all_known(canvas);
         let view = self.view(Among::Samples);
         let oversampled = !self.params.coherent;
-        let sites = sites(&view, &self.frames, oversampled);
+        let sites = sites(&view, &self.ground.frames, oversampled);
         if let Some(renewed) = Exemplar::new(&view, sites, &self.params.exemplar) {
             self.searched.sites = renewed.sites().len();
             self.searched.sites_offered = renewed.offered();

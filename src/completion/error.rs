@@ -4,6 +4,8 @@ use thiserror::Error;
 
 use crate::base::{BaseKind, FitError};
 
+use super::tiled::TileError;
+
 /// Why a scan cannot be completed at all.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum CompletionError {
@@ -100,4 +102,7 @@ pub enum CompletionError {
         "no triangle of the scan lies on the base surface, so there is no relief to copy: choose another --base"
     )]
     NoSamples,
+    /// See [`TileError`].
+    #[error(transparent)]
+    Tile(#[from] TileError),
 }

@@ -60,6 +60,31 @@ impl FreeFormDone {
     }
 }
 
+/// Gaps on free form, with their targets.
+pub(super) struct FreeFormPlan {
+    pub(super) part: Part,
+    pub(super) patch: Patch,
+    pub(super) planned: Vec<Planned>,
+    remembered: RememberedFreeForm,
+    choice: Option<WavelengthChoice>,
+}
+
+impl FreeFormPlan {
+    /// What was found, once all is grown: what was added to `work` since it had `before` gaps is numbered as the
+    /// scan is.
+    pub(super) fn done(self, input: &Input, before: usize, work: &mut Work) -> FreeFormDone {
+        for added in &mut work.added[before..] {
+            self.part.renumber(input, added);
+        }
+        let heights = &self.patch.relief.heights;
+        FreeFormDone {
+            heights: self.part.spread(heights, input.mesh.positions.len()),
+            remembered: self.remembered,
+            choice: self.choice,
+        }
+    }
+}
+
 /// Completes gaps on free form; `None` where there is no such form, with the reason among the skipped.
 pub(super) fn complete_on_free_form(
     input: &Input,
@@ -68,9 +93,25 @@ pub(super) fn complete_on_free_form(
     work: &mut Work,
     clock: &mut Clock,
 ) -> Option<FreeFormDone> {
+    let mut plan = plan_on_free_form(input, gaps, params, work, clock)?;
+    let planned = std::mem::take(&mut plan.planned);
+    let before = work.added.len();
+    (plan.patch).grow(&plan.part.input, planned, params, work, clock);
+    Some(plan.done(input, before, work))
+}
+
+/// Finds the free form under the gaps and their targets on it; `None` where there is no such form, with the
+/// reason among the skipped.
+pub(super) fn plan_on_free_form(
+    input: &Input,
+    gaps: &[NumberedGap],
+    params: &CompleteParams,
+    work: &mut Work,
+    clock: &mut Clock,
+) -> Option<FreeFormPlan> {
     let ids: Vec<usize> = gaps.iter().flat_map(|gap| gap.rim_ids.clone()).collect();
-    let done = try_to_complete(input, gaps, params, work, clock);
-    done.map_err(|undetermined| {
+    let plan = try_to_plan(input, gaps, params, work, clock);
+    plan.map_err(|undetermined| {
         let told = |id: &usize| work.skipped.iter().any(|hole| hole.loops.contains(id));
         work.skipped.push(SkippedHole {
             loops: ids.into_iter().filter(|id| !told(id)).collect(),
@@ -80,13 +121,13 @@ pub(super) fn complete_on_free_form(
     .ok()
 }
 
-fn try_to_complete(
+fn try_to_plan(
     input: &Input,
     gaps: &[NumberedGap],
     params: &CompleteParams,
     work: &mut Work,
     clock: &mut Clock,
-) -> Result<FreeFormDone, Undetermined> {
+) -> Result<FreeFormPlan, Undetermined> {
     clock.begin("form");
     let choice = match params.form_wavelength {
         Some(_) => None,
@@ -136,13 +177,10 @@ fn try_to_complete(
     let near = near_gaps(&part.input, &planned);
     let patch = Patch::new(&part.input, Form::Free(form), relief, reach, Some(&near));
     clock.end("form");
-    let before = work.added.len();
-    patch.grow(&part.input, planned, params, work, clock);
-    for added in &mut work.added[before..] {
-        part.renumber(input, added);
-    }
-    Ok(FreeFormDone {
-        heights: part.spread(&patch.relief.heights, input.mesh.positions.len()),
+    Ok(FreeFormPlan {
+        part,
+        patch,
+        planned,
         remembered: RememberedFreeForm { form, reach },
         choice,
     })

@@ -8,6 +8,7 @@
 
 mod assemble;
 mod audit;
+mod begin;
 mod blend;
 mod by_paper;
 mod by_stencil;
@@ -16,15 +17,19 @@ mod correlation;
 mod error;
 mod free_form;
 mod gaps;
+mod ground;
 mod growth;
 mod noted;
 mod own_base;
 mod params;
 mod patch;
+mod ready;
 mod report;
+mod scale;
 mod smooth_part;
 mod suited;
 mod surroundings;
+mod tiled;
 
 pub use assemble::{COMPLETED, COST, HEIGHT, SOURCE};
 pub use choice::{COLOR_TOLERANCE, HoleChoice, HoleLimits, Paint};
@@ -37,21 +42,18 @@ pub use report::{
     Chosen, CompletionReport, Counts, FilledHole, FreeFormReport, Recall, Searched, SkippedHole,
 };
 
-use std::borrow::Cow;
+pub use tiled::{
+    GrownTile, SeamReport, StepsWithin, TileError, TileParams, TilePlan, TileTask, TiledCompletion,
+    Tiling, WorstBorder, complete_tiled,
+};
 
-use nalgebra::Vector3;
-
-use crate::base::{self, BaseChoice, FitReport};
-use crate::mesh::{Adjacency, BoundaryLoop, LoopKind, TriMesh, boundary_loops, bounding_diagonal};
+use crate::mesh::{Adjacency, BoundaryLoop, LoopKind, TriMesh};
 use crate::progress::{Clock, Progress};
-use crate::relief;
-use crate::sampling::{EdgeSpacing, edge_spacing};
+use crate::sampling::EdgeSpacing;
 use crate::scan::Scan;
 
-use assemble::{assemble, earlier_marks};
-use choice::{Admitted, choose};
-use noted::remember;
-use patch::{Added as AddedGap, NumberedGap, Patch};
+use begin::{Begun, Prepared, begin};
+use patch::{Added as AddedGap, NumberedGap};
 
 /// A completed scan.
 #[derive(Debug, Clone)]
@@ -77,75 +79,20 @@ pub fn complete(
     params: &CompleteParams,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Completion, CompletionError> {
-    params.check()?;
     let mut clock = Clock::new(progress);
-    let (input, fit, origin) = prepare(scan, params, &mut clock)?;
-    let base_fits = fit.fits() && params.fit.base != BaseChoice::FreeForm;
-    let admitted = Admitted::new(scan, &input.loops, params)?;
-    let chosen = choose(&input.loops, &admitted, params)?;
-    let whole = base_fits.then(|| Patch::whole(&input, &fit));
-    if (whole.as_ref()).is_some_and(|whole| whole.triangles.is_empty()) {
-        return Err(CompletionError::NoSamples);
+    let Begun {
+        prepared,
+        on_base,
+        off_base,
+        mut work,
+    } = begin(scan, params, &mut clock)?;
+    let Prepared { input, whole, .. } = &prepared;
+    if let Some(whole) = whole {
+        whole.complete(input, on_base, params, &mut work, &mut clock);
     }
-    let plan = gaps::plan(&input, whole.as_ref(), &chosen, &admitted, params);
-    if plan.is_empty() {
-        return Err(CompletionError::NoInteriorHole {
-            rims: input.loops.len(),
-        });
-    }
-    let mut work = Work {
-        skipped: plan.skipped,
-        ..Work::default()
-    };
-    if params.method != Method::Paper {
-        work.chosen.push(suited::spacing(params, &input.spacing));
-    }
-    if let Some(whole) = &whole {
-        whole.complete(&input, plan.on_base, params, &mut work, &mut clock);
-    }
-    let off_base = with_those_off_the_chart(plan.off_base, &input, params, &mut work);
-    let free_form = complete_off_base(&input, off_base, params, &mut work, &mut clock);
-    let heights = match (&whole, &free_form) {
-        (Some(whole), _) => whole.relief.heights.clone(),
-        (None, Some(free_form)) => free_form.heights.clone(),
-        (None, None) => vec![f64::NAN; input.mesh.positions.len()],
-    };
-    clock.begin("assemble");
-    let mut scan = assemble(scan, &input, heights, &work, &origin);
-    let base = base_fits.then(|| RememberedBase {
-        surface: fit.base.translated(origin),
-        reach: relief::reach(&fit),
-    });
-    let noted = free_form.as_ref().filter(|_| !base_fits);
-    remember(&mut scan, base.as_ref(), noted.map(|done| &done.remembered));
-    clock.end("assemble");
-    let seconds = clock.stages;
-    let [rims_left, holes_left] = gaps::left(&input, &work);
-    let counts = Counts {
-        original_vertices: input.mesh.positions.len(),
-        original_faces: scan.faces.len() - work.faces(),
-        completed_vertices: work.vertices(),
-        completed_faces: work.faces(),
-        samples: work.samples,
-        loops: input.loops.len(),
-        rims_left,
-        holes_left,
-        stray_vertices: input.strays,
-    };
-    let mut report = CompletionReport {
-        fit,
-        base_fits,
-        spacing: input.spacing,
-        filled: work.filled(),
-        skipped: work.skipped,
-        counts,
-        searched: work.searched,
-        chosen: work.chosen,
-        free_form: free_form.as_ref().map(free_form::FreeFormDone::report),
-        seconds,
-    };
-    report.translate(origin);
-    Ok(Completion { scan, report })
+    let off_base = with_those_off_the_chart(off_base, input, params, &mut work);
+    let free_form = complete_off_base(input, off_base, params, &mut work, &mut clock);
+    Ok(prepared.completed(scan, free_form.as_ref(), work, clock))
 }
 
 /// Completes gaps that have no place on the scan's own base surface: on free form, or by the paper's method
@@ -161,20 +108,31 @@ fn complete_off_base(
         for gap in off_base {
             own_base::complete_on_own_base(input, &gap, params, work, clock);
         }
-    } else {
-        // Free form has no end that would tell how to close what is outside of a rim.
-        let (gaps, rims): (Vec<NumberedGap>, Vec<_>) = off_base.into_iter().partition(|gap| {
-            params.holes != HoleChoice::All || input.loops[gap.rim_ids[0]].kind == LoopKind::Hole
-        });
-        work.skipped.extend(rims.into_iter().map(|gap| SkippedHole {
-            loops: gap.rim_ids,
-            reason: "it is an outer rim, and no base surface closes behind it; to close it all the same give its number to --holes".to_owned(),
-        }));
-        if !gaps.is_empty() {
-            return free_form::complete_on_free_form(input, &gaps, params, work, clock);
-        }
+        return None;
     }
-    None
+    let gaps = without_open_rims(off_base, input, params, work);
+    if gaps.is_empty() {
+        return None;
+    }
+    free_form::complete_on_free_form(input, &gaps, params, work, clock)
+}
+
+/// The gaps but for outer rims that were not asked for one by one: free form has no end that would tell how
+/// to close what is outside of a rim.
+fn without_open_rims(
+    off_base: Vec<NumberedGap>,
+    input: &Input,
+    params: &CompleteParams,
+    work: &mut Work,
+) -> Vec<NumberedGap> {
+    let (gaps, rims): (Vec<NumberedGap>, Vec<_>) = off_base.into_iter().partition(|gap| {
+        params.holes != HoleChoice::All || input.loops[gap.rim_ids[0]].kind == LoopKind::Hole
+    });
+    work.skipped.extend(rims.into_iter().map(|gap| SkippedHole {
+        loops: gap.rim_ids,
+        reason: "it is an outer rim, and no base surface closes behind it; to close it all the same give its number to --holes".to_owned(),
+    }));
+    gaps
 }
 
 /// The gaps off the base surface, and holes that lie on it but turn over or cross themselves as seen along
@@ -197,63 +155,6 @@ fn with_those_off_the_chart(
         }
     }
     off_base
-}
-
-/// The scan's mesh, loops and base surface, all around the scan's centroid, and the centroid.
-fn prepare(
-    scan: &Scan,
-    params: &CompleteParams,
-    clock: &mut Clock,
-) -> Result<(Input, FitReport, Vector3<f64>), CompletionError> {
-    clock.begin("loops");
-    let (mesh, origin) = scan.mesh().centered();
-    if mesh.triangles.is_empty() {
-        return Err(CompletionError::NoFaces);
-    }
-    let adjacency = Adjacency::new(&mesh);
-    let loops = boundary_loops(&mesh, &adjacency);
-    clock.end("loops");
-    clock.begin("fit");
-    let mut scanned = scanned_vertices(scan, params);
-    let strays = leave_out_strays(&mut scanned, &mesh, &adjacency, params);
-    let fit = base::fit_part(
-        &mesh.positions,
-        &scanned_triangles(&mesh, &scanned),
-        &params.fit,
-    )?;
-    check_wavelength(params, &mesh)?;
-    if !fit.fits() && (params.extend || matches!(params.fit.base, BaseChoice::Kind(_))) {
-        return Err(CompletionError::BaseDoesNotFit {
-            kind: fit.base.kind(),
-            rms: fit.inlier_rms,
-            size: fit.diagonal,
-        });
-    }
-    clock.end("fit");
-    let rule = params.spacing.unwrap_or_default();
-    let input = Input {
-        spacing: edge_spacing(&mesh, rule).ok_or(CompletionError::NoFaces)?,
-        mesh,
-        adjacency,
-        loops,
-        colors: scan.colors(),
-        scanned,
-        strays,
-    };
-    Ok((input, fit, origin))
-}
-
-/// What is longer than the scan cannot be told apart in it.
-fn check_wavelength(params: &CompleteParams, mesh: &TriMesh) -> Result<(), CompletionError> {
-    let diagonal = bounding_diagonal(&mesh.positions);
-    match params.form_wavelength {
-        Some(wavelength) if wavelength > diagonal => Err(CompletionError::Parameter {
-            name: "--form-wavelength",
-            range: "at most the length of the scan",
-            value: wavelength,
-        }),
-        _ => Ok(()),
-    }
 }
 
 /// The scan as every step sees it: around its centroid, so that large offsets (national grids) cost
@@ -299,66 +200,6 @@ impl Work {
     fn filled(&self) -> Vec<FilledHole> {
         self.added.iter().map(|gap| gap.report.clone()).collect()
     }
-}
-
-impl CompletionReport {
-    /// From coordinates around the centroid to the scan's own.
-    fn translate(&mut self, origin: Vector3<f64>) {
-        self.fit.base = self.fit.base.translated(origin);
-        for candidate in &mut self.fit.ranking {
-            candidate.base = candidate.base.translated(origin);
-        }
-        for hole in &mut self.filled {
-            hole.own_base = hole.own_base.map(|base| base.translated(origin));
-        }
-    }
-}
-
-/// For each vertex whether it may be copied from: not if an earlier completion invented it, but for
-/// bootstrapping.
-fn scanned_vertices(scan: &Scan, params: &CompleteParams) -> Vec<bool> {
-    match earlier_marks(scan) {
-        Some(earlier) if !params.bootstrap => {
-            earlier.completed.iter().map(|mark| *mark == 0).collect()
-        }
-        _ => vec![true; scan.vertices.rows],
-    }
-}
-
-/// Marks what lies on stray pieces of surface as nothing to copy from, and gives the number of vertices.
-fn leave_out_strays(
-    scanned: &mut [bool],
-    mesh: &TriMesh,
-    adjacency: &Adjacency,
-    params: &CompleteParams,
-) -> usize {
-    let (components, count) = adjacency.components();
-    let used = mesh.used_vertices();
-    let mut sizes = vec![0usize; count];
-    for (component, _) in components.iter().zip(&used).filter(|(_, used)| **used) {
-        sizes[*component as usize] += 1;
-    }
-    let largest = sizes.iter().copied().max().unwrap_or_default();
-    let least = params.stray * largest as f64;
-    let mut strays = 0;
-    for (v, component) in components.iter().enumerate().filter(|(v, _)| used[*v]) {
-        if (sizes[*component as usize] as f64) < least {
-            scanned[v] = false;
-            strays += 1;
-        }
-    }
-    strays
-}
-
-/// The triangles whose corners were all scanned.
-fn scanned_triangles<'a>(mesh: &'a TriMesh, scanned: &[bool]) -> Cow<'a, [[u32; 3]]> {
-    if scanned.iter().all(|scanned| *scanned) {
-        return Cow::Borrowed(&mesh.triangles);
-    }
-    let triangles = mesh.triangles.iter().copied();
-    triangles
-        .filter(|t| t.iter().all(|v| scanned[*v as usize]))
-        .collect()
 }
 
 fn index(v: usize) -> u32 {

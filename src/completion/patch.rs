@@ -4,21 +4,20 @@ use nalgebra::{Point3, Vector3};
 
 use crate::base::{BaseSurface, FitReport, Form};
 use crate::matching::paper::{Samples, Search};
-use crate::matching::{coherent, exemplar::ExemplarParams};
 use crate::mesh::{Adjacency, TriMesh, triangle_normal};
-use crate::neighborhood::{Frame, Surface, local_frames, smooth_frames};
 use crate::relief::{self, Relief};
 use crate::rng::{Rng, Stage};
 use crate::sampling::{Fill, Gap, fill, subdivide};
 
-use super::blend::blend;
 use super::by_paper::ByPaper;
-use super::by_stencil::{ByStencil, StencilParams};
-use super::correlation::Readable;
+use super::by_stencil::{ByStencil, NothingToCopy};
 use super::growth::{Canvas, Grown, Growth, Matcher};
-use super::smooth_part::roughness;
-use super::suited::{Settings, blending, suited};
+use super::ready::{Ready, fit_together};
+use super::suited::Settings;
 use super::{Clock, CompleteParams, FilledHole, Input, Method, Progress, SkippedHole, Work};
+
+/// What to try where nothing matched.
+pub(super) const REMEDY: &str = "try a smaller --window or a larger --spacing";
 
 /// A base surface and the part of the scan that lies on it.
 #[derive(Debug)]
@@ -28,11 +27,11 @@ pub(super) struct Patch {
     /// By vertex: whether it lies on the base (is relief).
     pub(super) on_base: Vec<bool>,
     /// The triangles that lie on the base: corners there, not folded over.
-    lying: Vec<[u32; 3]>,
+    pub(super) lying: Vec<[u32; 3]>,
     /// Those of them that can be copied from.
     pub(super) triangles: Vec<[u32; 3]>,
     /// Whether it lies under some holes and their surroundings only.
-    own: bool,
+    pub(super) own: bool,
 }
 
 /// A gap to fill, with the numbers of its loops: one for each rim, then one for each island.
@@ -80,17 +79,35 @@ pub(super) struct Planned {
 }
 
 /// What growing is to be done with.
-struct Run<'a> {
-    input: &'a Input,
-    params: &'a CompleteParams,
-    settings: Settings,
+pub(super) struct Run<'a> {
+    pub(super) input: &'a Input,
+    pub(super) params: &'a CompleteParams,
+    pub(super) settings: Settings,
     /// New triangles, see [`joint_triangles`].
-    joint: Vec<[u32; 3]>,
+    pub(super) joint: Vec<[u32; 3]>,
     /// Seed, and number of the patch: what all random numbers follow from.
-    seed: [u32; 2],
+    pub(super) seed: [u32; 2],
 }
 
-impl Run<'_> {
+impl<'a> Run<'a> {
+    /// The next of `work`'s patches.
+    pub(super) fn new(
+        input: &'a Input,
+        params: &'a CompleteParams,
+        planned: &[Planned],
+        work: &mut Work,
+    ) -> Self {
+        let number = work.patches;
+        work.patches += 1;
+        Self {
+            input,
+            params,
+            settings: Settings::of_paper(params, input.colors.is_some()),
+            joint: joint_triangles(input, planned),
+            seed: [params.seed, number],
+        }
+    }
+
     fn grow<M: Matcher>(&self, canvas: &mut Canvas, matcher: &mut M, clock: &mut Clock) -> Grown {
         let total = canvas.points.len() - canvas.first_target;
         let mut rng = Rng::new(self.seed[0], Stage::Completion, self.seed[1]);
@@ -183,13 +200,25 @@ impl Patch {
         work: &mut Work,
         clock: &mut Clock,
     ) {
+        let planned = self.planned(input, gaps, work, clock);
+        self.grow(input, planned, params, work, clock);
+    }
+
+    /// Fills the gaps with targets; those that cannot be filled go to `work`.
+    pub(super) fn planned(
+        &self,
+        input: &Input,
+        gaps: Vec<NumberedGap>,
+        work: &mut Work,
+        clock: &mut Clock,
+    ) -> Vec<Planned> {
         clock.begin("targets");
         let planned = match self.form.primitive() {
             Some(base) => self.plan(base, input, gaps, work),
             None => Vec::new(),
         };
         clock.end("targets");
-        self.grow(input, planned, params, work, clock);
+        planned
     }
 
     /// Grows relief and colour over gaps that have their targets; results go to `work`.
@@ -202,14 +231,7 @@ impl Patch {
         clock: &mut Clock,
     ) {
         let mut canvas = self.canvas(input, &planned);
-        let run = Run {
-            input,
-            params,
-            settings: Settings::of_paper(params, input.colors.is_some()),
-            joint: joint_triangles(input, &planned),
-            seed: [params.seed, work.patches],
-        };
-        work.patches += 1;
+        let run = Run::new(input, params, &planned, work);
         let grown = if planned.iter().all(|gap| gap.targets.is_empty()) {
             Ok(Grown::new(0))
         } else if let (Method::Paper, Some(base)) = (params.method, self.form.primitive()) {
@@ -217,10 +239,23 @@ impl Patch {
         } else {
             self.grow_by_stencil(run, &mut canvas, work, clock)
         };
+        let grown = grown.map_err(|error| error.to_string());
+        self.collect_all(planned, &canvas, grown, REMEDY, work);
+    }
+
+    /// Puts what became of the gaps to `work`; `remedy` is what to try where nothing matched.
+    pub(super) fn collect_all(
+        &self,
+        planned: Vec<Planned>,
+        canvas: &Canvas,
+        grown: Result<Grown, String>,
+        remedy: &str,
+        work: &mut Work,
+    ) {
         match grown {
             Ok(grown) => {
                 for gap in planned {
-                    self.collect(gap, &canvas, &grown, work);
+                    self.collect(gap, canvas, &grown, remedy, work);
                 }
             }
             Err(reason) => work
@@ -263,79 +298,26 @@ impl Patch {
     }
 
     /// # Errors
-    /// In words, why there is nothing to copy from.
+    /// [`NothingToCopy`].
     fn grow_by_stencil(
         &self,
         mut run: Run,
         canvas: &mut Canvas,
         work: &mut Work,
         clock: &mut Clock,
-    ) -> Result<Grown, String> {
-        clock.begin("parameters");
-        let samples = self.sample_vertices(canvas.points.len());
-        if !self.own || self.form.primitive().is_none() {
-            let count = samples.iter().filter(|is| **is).count();
-            work.samples = work.samples.max(count);
-        }
-        let surface = Surface::new(TriMesh {
-            positions: canvas.relief.feet.clone(),
-            triangles: [&self.lying[..], &run.joint].concat(),
-        });
-        let frames = self.frames(canvas);
-        let relief = Readable {
-            surface: &surface,
-            frames: &frames,
-            heights: &canvas.relief.heights,
-            colors: canvas.colors.as_deref(),
-            samples: &samples,
-            step: run.input.spacing.median,
-        };
-        let [seed, patch] = run.seed;
-        let mut rng = Rng::new(seed, Stage::Suiting, patch);
-        let (settings, chosen) = suited(&relief, run.input.spacing.spacing, run.params, &mut rng);
-        run.settings = settings;
-        work.chosen.extend(chosen);
-        clock.end("parameters");
-        clock.begin("samples");
-        let params = stencil_params(&run);
-        let mut matcher = ByStencil::new(canvas, frames, surface, &samples, params)?;
+    ) -> Result<Grown, NothingToCopy> {
+        let Ready {
+            ground,
+            samples,
+            stencil,
+            ..
+        } = self.ready(&mut run, canvas, work, clock);
+        let mut matcher = ByStencil::new(ground, stencil)?;
         clock.end("samples");
         let grown = run.grow(canvas, &mut matcher, clock);
         work.searched.add(&matcher.searched());
-        let (blends, chosen) = blending(run.params, roughness(canvas, &samples));
-        work.chosen.push(chosen);
-        if blends {
-            clock.begin("blend");
-            blend(canvas, |canvas, v, n| {
-                matcher.continued_height(canvas, v, n)
-            });
-            clock.end("blend");
-        }
+        fit_together(canvas, &samples, matcher.ground(), run.params, work, clock);
         Ok(grown)
-    }
-
-    /// By vertex of the canvas: whether it may be copied from.
-    fn sample_vertices(&self, count: usize) -> Vec<bool> {
-        let mut is_sample = vec![false; count];
-        for v in self.triangles.iter().flatten() {
-            is_sample[*v as usize] = true;
-        }
-        is_sample
-    }
-
-    /// Frames that follow the surface: those of the base surface's own axes, or where these leave a sphere
-    /// or free form, a field as smooth as can be.
-    fn frames(&self, canvas: &Canvas) -> Vec<Frame> {
-        match self.form {
-            Form::Primitive(
-                base @ (BaseSurface::Plane(_) | BaseSurface::Cylinder(_) | BaseSurface::Cone(_)),
-            ) => local_frames(&base, &canvas.relief.normals),
-            _ => {
-                let normals = &canvas.relief.normals;
-                let direction = tangent_direction(&normals[canvas.first_target..]);
-                smooth_frames(&canvas.adjacency, normals, &direction)
-            }
-        }
     }
 
     fn plan(
@@ -415,7 +397,7 @@ impl Patch {
     }
 
     /// Scan and targets as one surface.
-    fn canvas(&self, input: &Input, planned: &[Planned]) -> Canvas {
+    pub(super) fn canvas(&self, input: &Input, planned: &[Planned]) -> Canvas {
         let first_target = input.mesh.positions.len();
         let mut relief = self.relief.clone();
         let mut known = self.on_base.clone();
@@ -447,14 +429,14 @@ impl Patch {
         }
     }
 
-    fn collect(&self, gap: Planned, canvas: &Canvas, grown: &Grown, work: &mut Work) {
+    fn collect(&self, gap: Planned, canvas: &Canvas, grown: &Grown, remedy: &str, work: &mut Work) {
         let costs = &grown.costs[gap.targets.clone()];
         let unmatched = costs.iter().filter(|cost| cost.is_none()).count();
         if unmatched > 0 {
             work.skipped.push(SkippedHole {
                 loops: gap.loops,
                 reason: format!(
-                    "{unmatched} of its {} new vertices found no match: nowhere does the scan show a surrounding like theirs; try a smaller --window or a larger --spacing",
+                    "{unmatched} of its {} new vertices found no match: nowhere does the scan show a surrounding like theirs; {remedy}",
                     costs.len()
                 ),
             });
@@ -482,23 +464,6 @@ impl Patch {
     }
 }
 
-/// Of some directions the one that is most nearly tangent wherever a normal is: where it is normal to the surface
-/// a field that follows it must turn, and that should not be in a gap.
-fn tangent_direction(normals: &[Vector3<f64>]) -> Vector3<f64> {
-    let tries = (-1..=1).flat_map(|x| (-1..=1).flat_map(move |y| (-1..=1).map(move |z| (x, y, z))));
-    let directions = tries
-        .filter(|way| *way > (0, 0, 0))
-        .map(|(x, y, z)| Vector3::new(f64::from(x), f64::from(y), f64::from(z)).normalize());
-    let worst = |direction: &Vector3<f64>| {
-        (normals.iter())
-            .map(|normal| normal.dot(direction).abs())
-            .fold(0.0, f64::max)
-    };
-    (directions.map(|direction| (worst(&direction), direction)))
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map_or_else(Vector3::x, |(_, direction)| direction)
-}
-
 /// The fills' triangles with the targets of all gaps numbered in a row.
 pub(super) fn joint_triangles(input: &Input, planned: &[Planned]) -> Vec<[u32; 3]> {
     let first_target = input.mesh.positions.len();
@@ -523,47 +488,5 @@ fn paper_search(params: &CompleteParams, settings: Settings) -> Search {
         rotations: settings.rotations,
         mu: settings.mu,
         tolerance: params.tolerance,
-    }
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "costs on a stencil are single"
-)]
-fn stencil_params(run: &Run) -> StencilParams {
-    /// Most similar candidates of every site that coherent search looks at.
-    const SIMILAR: usize = 3;
-    /// Sites that random search starts from, and random places at each radius around them.
-    const STARTS: usize = 6;
-    const TRIES: u32 = 3;
-    let Run {
-        input,
-        params,
-        settings,
-        seed,
-        ..
-    } = *run;
-    let coherent = params.method == Method::Coherent;
-    StencilParams {
-        window: settings.window,
-        spacing: input.spacing.spacing,
-        mu: settings.mu,
-        exemplar: ExemplarParams {
-            rotations: settings.rotations,
-            most_sites: if coherent { params.sites } else { usize::MAX },
-            // Renewed tables stand beside those that they replace.
-            memory: params.memory / if params.bootstrap { 2 } else { 1 },
-            similar: if coherent { SIMILAR } else { 0 },
-        },
-        coherent,
-        search: coherent::Search {
-            coherence: params.coherence as f32,
-            tolerance: params.tolerance as f32,
-            starts: STARTS,
-            tries: TRIES,
-        },
-        audit: params.audit,
-        bootstrap: params.bootstrap,
-        seed,
     }
 }

@@ -1,6 +1,6 @@
 //! What a completion did.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::base::{FitReport, Form, WavelengthChoice};
 use crate::progress::StageTime;
@@ -60,7 +60,7 @@ pub struct Counts {
 
 /// What a search over neighborhoods on a stencil looked at, and where its matches came from. All 0
 /// by the paper's method.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Searched {
     /// Sites that were looked at for every new vertex (on the base surface with the most).
     pub sites: usize,
@@ -83,7 +83,7 @@ pub struct Searched {
 
 /// How often the searches find a match that costs at most 1.1 times as much as the best of all places
 /// at all rotations.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Recall {
     /// New vertices that were searched for by every way.
     pub audited: usize,

@@ -8,6 +8,7 @@
 //! [PatchMatch 2009](crate::bibliography#patchmatch-2009), §3.2, for the random search around a match.
 
 use nalgebra::Point3;
+use serde::{Deserialize, Serialize};
 
 use crate::neighborhood::{Frame, Place, Surface, View, Walker};
 use crate::rng::Rng;
@@ -27,7 +28,7 @@ const WIDE: f32 = 0.5;
 const PROMISE: f32 = 3.0;
 
 /// How to search.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Search {
     /// κ: a coherent match is taken unless another costs less than 1/(1 + κ) of it.
     pub coherence: f32,

@@ -1,6 +1,7 @@
 //! What a search over the whole sample surface needs.
 
 use nalgebra::Point3;
+use serde::{Deserialize, Serialize};
 
 use crate::mesh::{PointTree, spatial_order};
 use crate::neighborhood::{Place, Surface, View, Walker};
@@ -9,7 +10,7 @@ use super::similar::{self, Similar};
 use super::table::Table;
 
 /// How an exemplar is made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ExemplarParams {
     /// Number R of rotations about the normal, at multiples of 2π/R.
     pub rotations: u32,
