@@ -26,6 +26,7 @@
 //! | [`picture`] | scan and its channels → picture, drawn on the processor; computes no figures | |
 //! | [`report`] | results → a page to look at: tables, plots, the scan in three dimensions | |
 //! | [`synth`] | parameters → synthetic scans with known truth | Fig. 8–12 |
+//! | [`cli`] | arguments → parameters → one call of a room above | |
 //!
 //! Units: lengths are absolute, in the scan's own (unknown) unit, `f64`; angles are radians;
 //! colours are intensities from 0 to 1.
@@ -51,3 +52,4 @@ pub mod evaluation;
 pub mod picture;
 pub mod report;
 pub mod synth;
+pub mod cli;

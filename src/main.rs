@@ -1,10 +1,8 @@
-//! `relievo`: completes range scans with their relief and colour. The command line only; see the
-//! library for what it calls.
-
-mod cli;
+//! `relievo`: completes range scans with their relief and colour. The command line is the library's room
+//! [`relievo::cli`].
 
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    cli::run(std::env::args_os())
+    relievo::cli::run(std::env::args_os())
 }

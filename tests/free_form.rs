@@ -3,43 +3,18 @@
 mod common;
 
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 
-use common::{completed, cut, loops, real, synthetic, to_scan, values};
+use common::{MAJOR, MINOR, completed, cut, loops, real, synthetic, to_scan, torus, values};
 use nalgebra::{Point3, Vector3};
 use relievo::base::{BaseChoice, FitParams, Form};
 use relievo::completion::{
     CompleteParams, CompletionError, HoleChoice, Method, complete, remembered_base,
     remembered_free_form,
 };
-use relievo::mesh::{LoopKind, TriMesh, check, euler_characteristic, triangle_normal};
+use relievo::mesh::{LoopKind, check, euler_characteristic, triangle_normal};
 use relievo::sampling::{SpacingRule, edge_spacing};
 use relievo::stats;
 use relievo::synth::{Kind, Part};
-
-const MAJOR: f64 = 30.0;
-const MINOR: f64 = 12.0;
-
-/// A torus with bumps: no kind of base fits it.
-fn torus() -> TriMesh {
-    let (around, along) = (110u32, 44u32);
-    let mut mesh = TriMesh::default();
-    for i in 0..along {
-        for j in 0..around {
-            let angle = TAU * f64::from(j) / f64::from(around);
-            let minor = TAU * f64::from(i) / f64::from(along);
-            let bump = 0.25 * (22.0 * angle).sin() * (9.0 * minor).cos();
-            let radius = MAJOR + (MINOR + bump) * minor.cos();
-            let z = (MINOR + bump) * minor.sin();
-            mesh.positions
-                .push(Point3::new(radius * angle.cos(), radius * angle.sin(), z));
-            let v = |i, j| i % along * around + j % around;
-            let [a, b, c, d] = [v(i, j), v(i, j + 1), v(i + 1, j), v(i + 1, j + 1)];
-            mesh.triangles.extend([[a, b, d], [a, d, c]]);
-        }
-    }
-    mesh
-}
 
 /// How far a point is from the torus without its bumps.
 fn off_torus(p: &Point3<f64>) -> f64 {

@@ -2,25 +2,33 @@
 
 use std::path::Path;
 
+use crate::base::{BaseChoice, BaseKind};
+use crate::cloud::JoinChoice;
+use crate::completion::{HoleChoice, Paint};
+use crate::repair::RepairParams;
+use crate::sampling::SpacingRule;
+use crate::scan::{Format, Intrinsics};
+use crate::synth::Kind;
 use nalgebra::Vector3;
-use relievo::base::{BaseChoice, BaseKind};
-use relievo::cloud::JoinChoice;
-use relievo::completion::{HoleChoice, Paint};
-use relievo::repair::RepairParams;
-use relievo::sampling::SpacingRule;
-use relievo::scan::{Format, Intrinsics};
-use relievo::synth::Kind;
 
 use super::outcome::Failure;
 
 /// The format to write a scan in.
 pub(super) fn output_format(path: &Path) -> Result<Format, Failure> {
+    format_to_write(path).map_err(Failure::usage)
+}
+
+/// The same for programs.
+///
+/// # Errors
+/// A sentence.
+pub(crate) fn format_to_write(path: &Path) -> Result<Format, String> {
     match Format::of_path(path) {
         Ok(format) if format.can_be_written() => Ok(format),
-        _ => Err(Failure::usage(format!(
+        _ => Err(format!(
             "{}: scans are written as .ply, .obj, .off, .stl or .glb: give the output one of these extensions",
             path.display()
-        ))),
+        )),
     }
 }
 

@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::base::{BaseChoice, Form};
+use crate::completion::Paint;
+use crate::report::{Channel, View};
+use crate::scan::Scan;
+use crate::stats::{MeasureParams, Measured, StatsError, compare_parts};
 use anyhow::Context;
 use clap::Args;
-use relievo::base::{BaseChoice, Form};
-use relievo::completion::Paint;
-use relievo::report::{Channel, View};
-use relievo::scan::Scan;
-use relievo::stats::{MeasureParams, Measured, StatsError, compare_parts};
 use serde_json::{Map, Value};
 
 use super::comparison::Measuring;
@@ -46,10 +46,7 @@ pub(super) fn run(arguments: &Arguments, common: &Common) -> super::Result {
             "there is nothing to compare: give a second scan, or parts of the first by --part and --other-part",
         ));
     }
-    let inputs: Vec<&Path> = [Some(arguments.input.path.as_path()), other_path]
-        .into_iter()
-        .flatten()
-        .collect();
+    let inputs: Vec<&Path> = (arguments.input.files()).chain(other_path).collect();
     arguments.measuring.check(common.seed)?;
     let csv = arguments.measuring.csv(&inputs, common)?;
     let csv_path = arguments.measuring.csv.as_deref();
@@ -64,11 +61,11 @@ pub(super) fn run(arguments: &Arguments, common: &Common) -> super::Result {
     let comparison = compare_parts(&sides.measured, first, second)
         .map_err(of_parts)
         .with_context(|| {
-            let inputs: Vec<String> = inputs
-                .iter()
-                .map(|path| path.display().to_string())
+            let other = other_path.map(|path| arguments.input.with_path(path).name());
+            let names: Vec<String> = std::iter::once(arguments.input.name())
+                .chain(other)
                 .collect();
-            inputs.join(" and ")
+            names.join(" and ")
         })?;
     let (parts, headings) = ([&first[..], &second[..]], ["a", "b"]);
     let compared =

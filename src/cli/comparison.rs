@@ -4,16 +4,16 @@ use std::borrow::Cow;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use clap::Args;
-use relievo::base::{BaseChoice, FitParams};
-use relievo::completion::COMPLETED;
-use relievo::report::{self, Page, View};
-use relievo::scan::{OutputFile, Scan};
-use relievo::stats::areal::ParameterUnit;
-use relievo::stats::{
+use crate::base::{BaseChoice, FitParams};
+use crate::completion::COMPLETED;
+use crate::report::{self, Page, View};
+use crate::scan::{OutputFile, Scan};
+use crate::stats::areal::ParameterUnit;
+use crate::stats::{
     Comparison, ComparisonRow, MeasureParams, Measured, Natural, NaturalParams, StatsError,
     Verdict, compare_parts, completed_vertices, copied, natural_variation, verdict,
 };
+use clap::Args;
 use serde_json::{Map, Value, json};
 
 use super::height_map::in_digits;

@@ -1,20 +1,26 @@
 //! `relievo complete`
 
+mod tiled;
+
+pub use tiled::{TiledCall, grow_tile};
+
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
-use relievo::base::{BaseChoice, FitParams};
-use relievo::completion::{
-    self, CompleteParams, CompletionError, CompletionReport, HoleChoice, HoleLimits, Method, Paint,
+use crate::base::{BaseChoice, FitParams};
+use crate::completion::{
+    self, CompleteParams, Completion, CompletionError, CompletionReport, HoleChoice, HoleLimits,
+    Method, Paint, SeamReport, TileError, TileParams, TiledCompletion, Tiling,
 };
-use relievo::report::{self, Completed};
-use relievo::sampling::SpacingRule;
-use relievo::scan::{self, OutputFile, Scan, WriteOptions};
-use relievo::stats::{self, Comparison, MeasureParams};
+use crate::report::{self, Completed};
+use crate::sampling::SpacingRule;
+use crate::scan::Scan;
+use crate::stats::{self, MeasureParams};
+use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 
 use super::comparison::{Compared, PIECES, of_completed};
+use super::held::{ScanOutput, Writing, is_kept};
 use super::left_open::left_open;
 use super::messages::Bar;
 use super::outcome::{Failure, Reply};
@@ -54,14 +60,23 @@ pub(super) struct Arguments {
     extend: bool,
     #[command(flatten)]
     pub(super) how: How,
+    /// Complete in tiles of at most so many vertices, one after the other, for a scan that is too large for the
+    /// memory in one piece; each tile copies from its own surroundings
+    #[arg(long, value_name = "N")]
+    tile: Option<usize>,
+    /// How far around its new vertices a tile sees everything, in the scan's unit [default: twice as far as a
+    /// window]
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        requires = "tile",
+        allow_negative_numbers = true
+    )]
+    overlap: Option<f64>,
     #[command(flatten)]
     page: PageOption,
-    /// Write PLY as text
-    #[arg(long)]
-    ascii: bool,
-    /// Allow OUT to be the same file as IN
-    #[arg(long)]
-    overwrite: bool,
+    #[command(flatten)]
+    pub(super) writing: Writing,
 }
 
 /// How to complete, whatever is to be filled: the options that `evaluate` has as well.
@@ -181,6 +196,35 @@ impl Arguments {
             ..self.how.params(seed)
         }
     }
+
+    /// How to divide the scan, if at all.
+    fn tiles(&self) -> Option<TileParams> {
+        self.tile.map(|tile| TileParams {
+            tile,
+            overlap: self.overlap,
+        })
+    }
+
+    /// What the JSON says before anything is known of the scan.
+    fn asked_for(&self, params: &CompleteParams) -> Map<String, Value> {
+        let mut known = Map::new();
+        if !is_kept(&self.output) {
+            known.insert("output".into(), json!(self.output.to_string_lossy()));
+        }
+        known.insert("method".into(), json!(params.method));
+        known.insert("seed".into(), json!(params.seed));
+        known.insert("parameters".into(), json!(params));
+        known
+    }
+
+    /// Whether all numbers are in their ranges.
+    fn check(&self, params: &CompleteParams) -> Result<(), Failure> {
+        let tiles = self.tiles().map_or(Ok(()), |tiles| tiles.check());
+        params.check().and(tiles).map_err(|error| Failure {
+            usage: true,
+            ..error.into()
+        })
+    }
 }
 
 impl How {
@@ -218,11 +262,7 @@ impl How {
 
 pub(super) fn run(arguments: &Arguments, common: &Common) -> super::Result {
     let params = arguments.params(common.seed);
-    let mut known = Map::new();
-    known.insert("output".into(), json!(arguments.output.to_string_lossy()));
-    known.insert("method".into(), json!(params.method));
-    known.insert("seed".into(), json!(common.seed));
-    known.insert("parameters".into(), json!(params));
+    let mut known = arguments.asked_for(&params);
     work(arguments, common, &params, &mut known).map_err(|failure| Failure {
         json: known,
         ..failure
@@ -235,40 +275,32 @@ fn work(
     params: &CompleteParams,
     known: &mut Map<String, Value>,
 ) -> super::Result {
-    params.check().map_err(|error| Failure {
-        usage: true,
-        ..error.into()
-    })?;
-    let format = arguments::output_format(&arguments.output)?;
-    let protected = (!arguments.overwrite).then_some(arguments.input.path.as_path());
+    arguments.check(params)?;
+    if !is_kept(&arguments.output) {
+        arguments::output_format(&arguments.output)?;
+    }
     let inputs: Vec<&Path> = arguments.input.files().collect();
     let page = arguments
         .page
         .open(&inputs, &[("-o", Some(&arguments.output))], common)?;
-    let mut output = OutputFile::create(&arguments.output, protected)?;
+    let output = ScanOutput::open(&arguments.output, &arguments.input.path, &arguments.writing)?;
     let (surface, prepared) = (arguments.prepare).told_surface(&arguments.input, common, known)?;
     let mut bar = Bar::new(common);
-    let completed = completion::complete(&surface.scan, params, &mut |progress| bar.show(progress));
-    drop(bar);
-    let completion = completed.map_err(|error| failed(error, arguments))?;
-    let report = &completion.report;
-    describe(report, known);
-    if report.filled.is_empty() {
-        let message = format!(
-            "{}: no hole could be filled; {}",
-            arguments.input.name(),
-            left_open(report, "").join("; ")
-        );
-        return Err(anyhow::Error::msg(message).into());
-    }
-    let options = WriteOptions {
-        ascii: arguments.ascii,
+    let completed = match arguments.tiles() {
+        None => completion::complete(&surface.scan, params, &mut |progress| bar.show(progress))
+            .map(Done::from),
+        Some(tiles) => completion::complete_tiled(&surface.scan, params, &tiles, &mut |progress| {
+            bar.show(progress);
+        })
+        .map(Done::from),
     };
-    let name = output.name().to_owned();
-    let finished = surface.restore(completion.scan);
+    drop(bar);
+    let done = completed.map_err(|error| failed(error, arguments))?;
+    done.describe(arguments, known)?;
+    let report = &done.report;
+    let finished = surface.restore(done.scan);
     let bar = Bar::doing(common, "writing");
-    scan::write_to(&finished, &mut output, format, &options, &name)?;
-    output.commit()?;
+    let finished = output.write(finished)?;
     drop(bar);
     // After the scan is safe: they take time and memory of their own.
     let judged = page.as_ref().and_then(|_| judged(&finished, common));
@@ -278,9 +310,7 @@ fn work(
             known.insert("natural".into(), json!(judged.natural.as_ref().ok()));
             known.insert("verdict".into(), json!(judged.verdict));
         }
-        None => known.extend(
-            comparison(report, &finished).map(|figures| ("statistics".into(), json!(figures))),
-        ),
+        None => known.extend(statistics(report, &finished)),
     }
     if let Some(page) = page {
         page.write(&report::completed(&Completed {
@@ -300,16 +330,70 @@ fn work(
     })
 }
 
-/// The completed part in figures. On free form they would take another solve as long as all the rest:
-/// `relievo stats` has them.
-fn comparison(report: &CompletionReport, finished: &Scan) -> Option<Comparison> {
+/// What came of it, in one piece or in tiles.
+struct Done {
+    scan: Scan,
+    report: CompletionReport,
+    tiles: Option<(Tiling, SeamReport)>,
+}
+
+impl From<Completion> for Done {
+    fn from(done: Completion) -> Self {
+        Self {
+            scan: done.scan,
+            report: done.report,
+            tiles: None,
+        }
+    }
+}
+
+impl From<TiledCompletion> for Done {
+    fn from(done: TiledCompletion) -> Self {
+        Self {
+            scan: done.scan,
+            report: done.report,
+            tiles: Some((done.tiling, done.seams)),
+        }
+    }
+}
+
+impl Done {
+    /// Tells what was done; a failure if that is nothing.
+    fn describe(
+        &self,
+        arguments: &Arguments,
+        known: &mut Map<String, Value>,
+    ) -> Result<(), Failure> {
+        if let Value::Object(members) = json!(self.report) {
+            known.extend(members);
+        }
+        if let Some((tiling, seams)) = &self.tiles {
+            known.insert("tiling".into(), json!(tiling));
+            known.insert("seams".into(), json!(seams));
+        }
+        if self.report.filled.is_empty() {
+            let message = format!(
+                "{}: no hole could be filled; {}",
+                arguments.input.name(),
+                left_open(&self.report, "").join("; ")
+            );
+            return Err(anyhow::Error::msg(message).into());
+        }
+        Ok(())
+    }
+}
+
+/// The completed part in figures, as a member of the JSON. On free form they would take another solve as long as all the
+/// rest: `relievo stats` has them.
+fn statistics(report: &CompletionReport, finished: &Scan) -> Option<(String, Value)> {
     if !report.base_fits {
         return None;
     }
     // A fill without new vertices has nothing to compare.
-    stats::compare(finished)
+    let figures = stats::compare(finished)
         .inspect_err(|error| log::info!("no statistics: {error}"))
-        .ok()
+        .ok()?;
+    Some(("statistics".into(), json!(figures)))
 }
 
 /// The same with scores, for the page.
@@ -326,17 +410,14 @@ fn failed(error: CompletionError, arguments: &Arguments) -> Failure {
             | CompletionError::NoSuchChannel { .. }
             | CompletionError::NoColors
             | CompletionError::NothingPainted
+            | CompletionError::Tile(
+                TileError::ByPaper | TileError::Bootstrap | TileError::TooSmall { .. }
+            )
     );
     let file = arguments.input.name();
     Failure {
         usage,
         ..anyhow::Error::new(error).context(file).into()
-    }
-}
-
-fn describe(report: &CompletionReport, known: &mut Map<String, Value>) {
-    if let Value::Object(members) = json!(report) {
-        known.extend(members);
     }
 }
 

@@ -3,11 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use relievo::scan::{self, OutputFile, WriteOptions};
 use serde_json::{Map, json};
 
 use super::Common;
-use super::arguments;
+use super::held::{ScanOutput, Writing};
 use super::outcome::Reply;
 use super::reading::{Input, Preparation};
 
@@ -23,20 +22,14 @@ pub(super) struct Arguments {
     surface: bool,
     #[command(flatten)]
     prepare: Preparation,
-    /// Write PLY as text
-    #[arg(long)]
-    ascii: bool,
-    /// Allow OUT to be the same file as the input
-    #[arg(long)]
-    overwrite: bool,
+    #[command(flatten)]
+    writing: Writing,
 }
 
 pub(super) fn run(arguments: &Arguments, common: &Common) -> super::Result {
     let mut known = Map::new();
     known.insert("output".into(), json!(arguments.output.to_string_lossy()));
-    let format = arguments::output_format(&arguments.output)?;
-    let protected = (!arguments.overwrite).then_some(arguments.input.path.as_path());
-    let mut output = OutputFile::create(&arguments.output, protected)?;
+    let output = ScanOutput::open(&arguments.output, &arguments.input.path, &arguments.writing)?;
     let scan = if arguments.surface {
         let surface = arguments
             .prepare
@@ -45,12 +38,7 @@ pub(super) fn run(arguments: &Arguments, common: &Common) -> super::Result {
     } else {
         arguments.input.scan()?
     };
-    let options = WriteOptions {
-        ascii: arguments.ascii,
-    };
-    let name = output.name().to_owned();
-    scan::write_to(&scan, &mut output, format, &options, &name)?;
-    output.commit()?;
+    let scan = output.write(scan)?;
     known.insert("vertices".into(), json!(scan.vertices.rows));
     known.insert("faces".into(), json!(scan.faces.len()));
     Ok(Reply {

@@ -2,12 +2,12 @@
 
 use std::fmt::Write;
 
-use clap::{Args, ValueEnum};
-use relievo::completion::CompletionError;
-use relievo::evaluation::{
+use crate::completion::CompletionError;
+use crate::evaluation::{
     self, Evaluation, EvaluationError, EvaluationParams, FillKind, HeightsOver, Repeat,
 };
-use relievo::likeness::Judgement;
+use crate::likeness::Judgement;
+use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 
 use super::complete::How;

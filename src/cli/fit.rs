@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
+use crate::base::{self, BaseChoice, BaseSurface, FitParams, FitReport};
 use anyhow::Context;
 use clap::Args;
-use relievo::base::{self, BaseChoice, BaseSurface, FitParams, FitReport};
 use serde_json::{Map, Value, json};
 
 use super::outcome::Reply;

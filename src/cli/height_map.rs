@@ -2,13 +2,13 @@
 
 use std::fmt::Write;
 
-use anyhow::Context;
-use clap::Args;
-use relievo::scan::{Format, HeightMap, read_height_map};
-use relievo::stats::areal::{
+use crate::scan::{Format, HeightMap, read_height_map};
+use crate::stats::areal::{
     ArealParameters, FormOperation, MaterialRatioCurve, ParameterUnit, Row, SlopeRule,
     SurfaceParams, scale_limited_surface,
 };
+use anyhow::Context;
+use clap::Args;
 use serde_json::{Map, Value, json};
 
 use super::Common;
@@ -32,6 +32,9 @@ const OF_SCANS: [&str; 12] = [
     "whole",
     "report",
 ];
+
+/// Options that are about height maps only.
+pub(super) const OF_MAPS: [&str; 5] = ["step", "unit", "form", "slopes", "smr"];
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Height maps")]
@@ -302,6 +305,15 @@ fn slopes(text: &str) -> Result<SlopeRule, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn all_options_of_height_maps_are_listed() {
+        let command = Options::augment_args(clap::Command::new("map"));
+        let ids: Vec<&str> = (command.get_arguments())
+            .map(|arg| arg.get_id().as_str())
+            .collect();
+        assert_eq!(ids, OF_MAPS);
+    }
 
     #[test]
     fn numbers_have_six_digits() {

@@ -1,6 +1,6 @@
 //! Colors that came out beside those that they were copied from.
 
-use relievo::stats::{self, ColorComparison};
+use crate::stats::{self, ColorComparison};
 
 /// Histograms of red, green and blue of a source and of what was made of it.
 pub(super) fn beside_source(

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
+use crate::mesh::{Adjacency, LoopKind, boundary_loops};
 use clap::Args;
-use relievo::mesh::{Adjacency, LoopKind, boundary_loops};
 use serde_json::{Map, Value, json};
 
 use super::Common;

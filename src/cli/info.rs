@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
+use crate::mesh::{Adjacency, LoopKind, boundary_loops, bounding_diagonal, edge_lengths};
+use crate::repair::{self, RepairParams, RepairReport};
+use crate::scan::{Channel, Column, Scan};
 use clap::Args;
-use relievo::mesh::{Adjacency, LoopKind, boundary_loops, bounding_diagonal, edge_lengths};
-use relievo::repair::{self, RepairParams, RepairReport};
-use relievo::scan::{Channel, Column, Scan};
 use serde_json::{Map, Value, json};
 
 use super::outcome::Reply;

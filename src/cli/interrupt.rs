@@ -1,8 +1,9 @@
 //! Ctrl-C and its relatives.
 
 use std::io::Write;
+use std::sync::{Mutex, PoisonError};
 
-use relievo::scan::abandon_outputs;
+use crate::scan::abandon_outputs;
 
 /// Exit code of a program that was interrupted, by whichever of the signals: what shells give for Ctrl-C.
 const INTERRUPTED: i32 = 130;
@@ -15,8 +16,20 @@ pub(super) fn install() {
     }
 }
 
+/// What else is to be ended, in its own way.
+static ALSO: Mutex<Option<Box<dyn FnOnce() + Send>>> = Mutex::new(None);
+
+/// Has something done before the program ends for a signal; only the last of several.
+pub(super) fn also(end: impl FnOnce() + Send + 'static) {
+    *ALSO.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(end));
+}
+
 fn end() -> ! {
     abandon_outputs();
+    let also = ALSO.lock().unwrap_or_else(PoisonError::into_inner).take();
+    if let Some(also) = also {
+        also();
+    }
     // Nowhere is left to report that standard error is closed.
     let _ = writeln!(
         std::io::stderr(),

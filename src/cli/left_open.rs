@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::fmt::Write;
 
-use relievo::completion::{CompletionReport, SkippedHole};
+use crate::completion::{CompletionReport, SkippedHole};
 
 /// As many loops of each reason, and as many reasons, are told in words; the JSON has all.
 const MOST_TOLD: usize = 10;

@@ -1,41 +1,41 @@
 //! What commands write that put something on a mesh: the mesh, or the mesh with a texture image.
 
 use std::path::Path;
+use std::sync::Arc;
 
+use crate::repair::Repaired;
+use crate::scan::{self, Format, Image, Scan, ScanError, TexturedOutput, WriteOptions, same_file};
 use anyhow::Context;
 use nalgebra::{Point3, Vector3};
-use relievo::repair::Repaired;
-use relievo::scan::{
-    self, Format, Image, OutputFile, Scan, ScanError, TexturedOutput, WriteOptions, same_file,
-};
 use serde_json::{Map, Value, json};
 
+use super::arguments;
+use super::held::{Kept, ScanOutput, Slot, Writing, is_kept};
 use super::outcome::{Failure, opened};
 
 /// Where to, and what is asked for there.
 #[derive(Debug)]
 pub(super) struct Destination<'a> {
     pub(super) path: &'a Path,
-    pub(super) format: Format,
-    /// The files of the mesh, which may be written over if `overwrite` says so.
+    /// `None` where it is kept in memory only.
+    pub(super) format: Option<Format>,
+    /// The files of the mesh, which may be written over if `writing` says so.
     pub(super) own: Vec<&'a Path>,
-    pub(super) overwrite: bool,
+    pub(super) writing: &'a Writing,
     /// What else is read: never written over.
     pub(super) others: Vec<&'a Path>,
     /// Whether there is to be a texture image if mesh and format have room for one.
     pub(super) with_image: bool,
     /// Largest side of the image.
     pub(super) image_size: Option<u32>,
-    /// Whether PLY is written as text.
-    pub(super) ascii: bool,
 }
 
 /// What is written, opened before the work.
 #[derive(Debug)]
 pub(super) enum MeshOutput {
-    Mesh(OutputFile, Format),
+    Mesh(ScanOutput),
     /// With a texture image.
-    Image(Box<TexturedOutput>),
+    Image(Box<TexturedOutput>, Option<Slot>),
 }
 
 impl MeshOutput {
@@ -43,59 +43,74 @@ impl MeshOutput {
     pub(super) fn open(to: &Destination, surface: &Repaired, name: &str) -> Result<Self, Failure> {
         let path = to.path;
         let mut inputs = to.others.clone();
-        if !to.overwrite {
+        if !to.writing.overwrite {
             inputs.extend(&to.own);
         }
-        let holds_image = matches!(to.format, Format::Ply | Format::Obj | Format::Gltf);
+        let holds_image = matches!(to.format, Some(Format::Ply | Format::Obj | Format::Gltf));
         let has_coordinates = || restored(surface).texture_coordinates().is_some();
         if to.with_image && path != Path::new("-") && holds_image && has_coordinates() {
             let output = TexturedOutput::create(path, &inputs)?;
-            return Ok(Self::Image(Box::new(output)));
+            return Ok(Self::Image(Box::new(output), to.writing.slot.clone()));
         }
         if to.image_size.is_some() {
             return Err(Failure::usage(format!(
                 "{name}: --image-size needs a mesh with texture coordinates, and an output of .ply, .obj or .glb"
             )));
         }
+        let Some(format) = to.format else {
+            return Ok(Self::Mesh(ScanOutput::new(None, to.writing)));
+        };
         let output = opened("-o", path, &to.others, &[])?;
         if inputs.iter().any(|input| same_file(path, input)) {
             let name = path.display().to_string();
             return Err(ScanError::WouldOverwrite { name }.into());
         }
-        Ok(Self::Mesh(output, to.format))
+        Ok(Self::Mesh(ScanOutput::new(
+            Some((output, format)),
+            to.writing,
+        )))
     }
 
     /// Whether there is a texture image.
     pub(super) fn has_image(&self) -> bool {
-        matches!(self, Self::Image(_))
+        matches!(self, Self::Image(..))
     }
 
     /// Writes the mesh and, if there is one, its image.
     pub(super) fn write(
         self,
-        scan: &Scan,
+        scan: Scan,
         image: Option<&Image>,
         options: &WriteOptions,
-    ) -> Result<(), Failure> {
-        match (self, image) {
-            (Self::Mesh(mut output, format), _) => {
-                let name = output.name().to_owned();
-                scan::write_to(scan, &mut output, format, options, &name)?;
-                output.commit()?;
-            }
-            (Self::Image(output), Some(image)) => output.write(scan, image, options)?,
-            (Self::Image(output), None) => {
-                let name = output.name().to_owned();
-                return Err(anyhow::anyhow!("{name}: there is no texture image to write").into());
-            }
+    ) -> Result<Arc<Scan>, Failure> {
+        let (output, slot) = match self {
+            Self::Mesh(output) => return output.write(scan),
+            Self::Image(output, slot) => (output, slot),
+        };
+        let Some(image) = image else {
+            let name = output.name().to_owned();
+            return Err(anyhow::anyhow!("{name}: there is no texture image to write").into());
+        };
+        let scan = Arc::new(scan);
+        output.write(&scan, image, options)?;
+        if let Some(slot) = slot {
+            slot.put(Kept::Scan(Arc::clone(&scan)));
         }
-        Ok(())
+        Ok(scan)
     }
+}
+
+/// The format to write in; `None` where it is kept in memory only.
+pub(super) fn output_format(path: &Path) -> Result<Option<Format>, Failure> {
+    if is_kept(path) {
+        return Ok(None);
+    }
+    arguments::output_format(path).map(Some)
 }
 
 impl Destination<'_> {
     pub(super) fn options(&self) -> WriteOptions {
-        WriteOptions { ascii: self.ascii }
+        self.writing.options()
     }
 
     /// The colors of a surface in an image for the texture coordinates of a scan; what it holds goes into the JSON.

@@ -1,13 +1,15 @@
 //! Messages and progress bars on standard error.
 
 use std::io::{IsTerminal, Write};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
+use crate::progress::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 use log::{Level, LevelFilter, Log, Metadata, Record};
-use relievo::progress::Progress;
 
 use super::Common;
+use super::watch::Watch;
 
 struct StandardError;
 
@@ -32,6 +34,38 @@ impl Log for StandardError {
     fn flush(&self) {}
 }
 
+/// Keeps the messages of a process that has nobody to tell them to.
+struct Collected;
+
+static COLLECTED: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+impl Log for Collected {
+    fn enabled(&self, metadata: &Metadata) -> bool {
+        metadata.level() <= Level::Warn
+    }
+
+    fn log(&self, record: &Record) {
+        if self.enabled(record.metadata()) {
+            let mut collected = COLLECTED.lock().unwrap_or_else(PoisonError::into_inner);
+            collected.push(record.args().to_string());
+        }
+    }
+
+    fn flush(&self) {}
+}
+
+/// Keeps the library's warnings instead of sending them anywhere.
+pub(super) fn collect() {
+    if log::set_logger(&Collected).is_ok() {
+        log::set_max_level(LevelFilter::Warn);
+    }
+}
+
+/// The warnings that were kept, in their order.
+pub(super) fn collected() -> Vec<String> {
+    std::mem::take(&mut COLLECTED.lock().unwrap_or_else(PoisonError::into_inner))
+}
+
 /// Sends the library's messages to standard error.
 pub(super) fn install(common: &Common) {
     let level = if common.quiet {
@@ -51,6 +85,7 @@ pub(super) fn install(common: &Common) {
 pub(super) struct Bar {
     bar: ProgressBar,
     stage: &'static str,
+    watch: Option<Watch>,
 }
 
 impl Bar {
@@ -62,7 +97,11 @@ impl Bar {
             ProgressBar::hidden()
         };
         bar.enable_steady_tick(Duration::from_millis(500));
-        Self { bar, stage: "" }
+        Self {
+            bar,
+            stage: "",
+            watch: common.watch.clone(),
+        }
     }
 
     /// A bar that says what is being done, for what cannot tell how far it is.
@@ -77,6 +116,9 @@ impl Bar {
     }
 
     pub(super) fn show(&mut self, progress: Progress) {
+        if let Some(watch) = &self.watch {
+            watch.tell(progress);
+        }
         if self.stage != progress.stage {
             self.stage = progress.stage;
             self.bar.set_message(progress.stage);

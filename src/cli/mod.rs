@@ -3,37 +3,60 @@
 //! stdout carries results only; messages, bars and errors go to stderr.
 
 mod arguments;
+mod call;
 mod compare;
 mod comparison;
 mod complete;
+mod completions;
 mod convert;
 mod evaluate;
 mod fit;
 mod height_map;
+mod held;
 mod histograms;
 mod holes;
 mod info;
 mod interrupt;
 mod left_open;
+mod man;
 mod mesh_output;
 mod messages;
 mod outcome;
+mod pipeline;
+mod plan;
 mod reading;
 mod render;
+mod repeated;
 mod report;
+mod run;
+mod scan_command;
+mod schema;
 mod scores;
 mod stats;
+mod step_files;
+mod step_options;
 mod synth;
 mod texture;
 mod transfer;
+mod watch;
 
+use crate::progress::Progress;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+
+#[cfg(feature = "python")]
+pub(crate) use arguments::format_to_write;
+pub use call::{Call, CallError, CallErrorKind, Called};
+pub use complete::{TiledCall, grow_tile};
+pub use held::{Content, Held};
+pub use schema::schema;
+pub use watch::Watch;
 
 use outcome::{Outcome, Reply};
+use scan_command::ScanCommand;
 
 /// Completes range scans: where the scanner saw nothing, the shape, the relief and the colour are
 /// restored, so that the completed part passes as original.
@@ -41,12 +64,31 @@ use outcome::{Outcome, Reply};
 /// Exit codes: 0 done; 1 the work failed; 2 wrong usage; 3 partly done (some holes could not be
 /// filled, the JSON says which and why).
 #[derive(Debug, Parser)]
-#[command(name = "relievo", version, propagate_version = true)]
+#[command(name = "relievo", version, propagate_version = true, next_display_order = None)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
     #[command(flatten)]
     common: Common,
+}
+
+impl Common {
+    /// Gives this process as many threads as --threads says.
+    fn start_threads(&self) {
+        if let Some(threads) = self.threads {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+            if let Err(error) = pool.build_global() {
+                log::warn!("--threads: {error}");
+            }
+        }
+    }
+
+    /// Lets whoever watches hear how far the work is.
+    fn tell(&self, progress: Progress) {
+        if let Some(watch) = &self.watch {
+            watch.tell(progress);
+        }
+    }
 }
 
 /// Options that mean the same in every subcommand.
@@ -56,6 +98,8 @@ struct Common {
     /// Seed of all random choices: the same seed gives the same bytes
     #[arg(long, global = true, value_name = "N", default_value_t = 0)]
     seed: u32,
+    #[arg(skip)]
+    seed_given: bool,
     /// Number of threads [default: all cores]; the result does not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
@@ -68,85 +112,103 @@ struct Common {
     /// Print what is done at each step, and how long it takes
     #[arg(short, long, global = true)]
     verbose: bool,
+    /// Who hears how far the work is, and may end it.
+    #[arg(skip)]
+    watch: Option<Watch>,
 }
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Compare two scans, or two parts of one, in figures and in units of natural variation
-    Compare(compare::Arguments),
-    /// Complete the missing parts of a scan
-    Complete(complete::Arguments),
+    #[command(flatten)]
+    Scan(ScanCommand),
+    /// Print a script that completes relievo's commands and options in a shell
+    Completions(completions::Arguments),
     /// Write a scan in another format
     Convert(convert::Arguments),
     /// Cut holes out of a scan, complete them, and judge the fills by how the surface itself varies
     Evaluate(evaluate::Arguments),
-    /// Fit a base surface: parameters, residuals, how the other kinds compare
-    Fit(fit::Arguments),
-    /// List every boundary loop: id, edges, length, area estimate, hole or outer rim
-    Holes(holes::Arguments),
-    /// Tell what is in a file: vertices, faces, properties, extent, pieces, holes, what would be repaired
-    Info(info::Arguments),
-    /// Draw a scan or one of its channels as a PNG picture, without a display
-    Render(render::Arguments),
-    /// Compare the original part of a completed scan with the completed part, or tell the areal parameters of a
-    /// height map (--step)
-    Stats(stats::Arguments),
+    /// Print the manual's page of relievo or of a command, or write all pages (--out)
+    Man(man::Arguments),
+    /// Do what a pipeline in a file says: read a scan, complete it, measure, draw, write
+    Run(run::Arguments),
+    /// Print the JSON schema of pipelines, with all options of all steps
+    Schema,
     /// Make a test scan with known truth: by default with a hole, or --full, or seen from one side
     Synth(synth::Arguments),
-    /// Put the texture of a sample, an image or a scan, all over a mesh: in colour, or as relief
-    Texture(texture::Arguments),
-    /// Copy colours or relief from one mesh onto another, following its shape, or from a part of a mesh onto the rest
-    Transfer(transfer::Arguments),
 }
 
-/// Runs the command line and gives its exit code.
-pub(crate) fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
-    let arguments: Vec<OsString> = arguments.collect();
-    let cli = match Cli::try_parse_from(&arguments) {
-        Ok(cli) => cli,
-        Err(error) => {
-            // Help and version are no errors and go to stdout; a closed pipe is not ours to report.
-            let _ = error.print();
-            if error.use_stderr() {
-                outcome::report_usage_error(&arguments, &error);
-            }
-            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
-        }
+/// Runs the command line and gives its exit code: 0 done, 1 the work failed, 2 wrong usage, 3 partly done.
+///
+/// `arguments` begin with the program's name. It listens to interrupts and sends messages to standard error, both for
+/// the whole process: it is meant to be called once, by a program's `main`.
+pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
+    let (cli, matches) = match parsed(arguments) {
+        Ok(parsed) => parsed,
+        Err(code) => return code,
     };
-    let common = cli.common;
-    messages::install(&common);
+    let common = Common {
+        seed_given: repeated::is_given(&matches, "seed"),
+        ..cli.common
+    };
     interrupt::install();
-    if let Some(threads) = common.threads {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
-        if let Err(error) = pool.build_global() {
-            log::warn!("--threads: {error}");
-        }
-    }
+    messages::install(&common);
+    common.start_threads();
     let Files {
         command: name,
         inputs,
         output,
     } = cli.command.files();
     let input = inputs.first().copied();
-    let report = match outcome::Report::open(common.json.as_deref(), &inputs, output) {
+    let mut protected = inputs.clone();
+    protected.extend(cli.command.protected());
+    let plan = match cli.command.plan(&common) {
+        Ok(plan) => plan,
+        Err(failure) => {
+            let report = outcome::Report::open_new(common.json.as_deref(), &protected);
+            return Outcome::of(name, input, None, Err(failure)).deliver(report);
+        }
+    };
+    let (reads, writes) = plan.files();
+    protected.extend(reads.iter().map(PathBuf::as_path));
+    let mut outputs = vec![("-o", output)];
+    outputs.extend(
+        writes
+            .iter()
+            .map(|(what, path)| (*what, Some(path.as_path()))),
+    );
+    let report = match outcome::Report::open(common.json.as_deref(), &protected, &outputs) {
         Ok(report) => report,
-        Err(failure) => return Outcome::of(name, input, Err(failure)).deliver(None),
+        Err(failure) => return Outcome::of(name, input, None, Err(failure)).deliver(None),
     };
     let reply = match &cli.command {
-        Command::Compare(arguments) => compare::run(arguments, &common),
-        Command::Complete(arguments) => complete::run(arguments, &common),
+        Command::Scan(command) => command.run(&common),
+        Command::Run(_) => plan.run(&common),
+        Command::Completions(arguments) => completions::run(arguments, Cli::command()),
         Command::Convert(arguments) => convert::run(arguments, &common),
         Command::Evaluate(arguments) => evaluate::run(arguments, &common),
-        Command::Fit(arguments) => fit::run(arguments, &common),
-        Command::Holes(arguments) => holes::run(arguments, &common),
-        Command::Info(arguments) => info::run(arguments),
-        Command::Render(arguments) => render::run(arguments, &common),
-        Command::Stats(arguments) => stats::run(arguments, &common),
+        Command::Man(arguments) => man::run(arguments, Cli::command()),
+        Command::Schema => schema::run(),
         Command::Synth(arguments) => synth::run(arguments, &common),
-        Command::Texture(arguments) => texture::run(arguments, &common),
-        Command::Transfer(arguments) => transfer::run(arguments, &common),
     };
-    Outcome::of(name, input, reply).deliver(report)
+    let repeated = repeated::repeated(&matches, common.seed);
+    Outcome::of(name, input, repeated, reply).deliver(report)
+}
+
+/// What the command line says; the exit code where it is wrong, or asks for help or the version.
+fn parsed(
+    arguments: impl Iterator<Item = OsString>,
+) -> std::result::Result<(Cli, clap::ArgMatches), ExitCode> {
+    let arguments: Vec<OsString> = arguments.map(run::in_one_word).collect();
+    (Cli::command().try_get_matches_from(&arguments))
+        .and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)))
+        .map_err(|error| {
+            // Help and version are no errors and go to stdout; a closed pipe is not ours to report.
+            let _ = error.print();
+            if error.use_stderr() {
+                outcome::report_usage_error(&arguments, &error);
+            }
+            ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
+        })
 }
 
 /// What a subcommand is called, reads and writes.
@@ -161,32 +223,18 @@ struct Files<'a> {
 impl Command {
     fn files(&self) -> Files<'_> {
         let (command, input, output) = match self {
-            Self::Compare(a) => ("compare", Some(&a.input), None),
-            Self::Complete(a) => ("complete", Some(&a.input), Some(&a.output)),
+            Self::Scan(command) => return command.files(),
+            Self::Completions(_) => ("completions", None, None),
             Self::Convert(a) => ("convert", Some(&a.input), Some(&a.output)),
             Self::Evaluate(a) => ("evaluate", Some(&a.input), None),
-            Self::Fit(a) => ("fit", Some(&a.input), None),
-            Self::Holes(a) => ("holes", Some(&a.input), None),
-            Self::Info(a) => ("info", Some(&a.input), None),
-            Self::Render(a) => ("render", Some(&a.input), Some(&a.output)),
-            Self::Stats(a) => ("stats", Some(&a.input), None),
+            Self::Man(_) => ("man", None, None),
+            Self::Run(_) => ("run", None, None),
+            Self::Schema => ("schema", None, None),
             Self::Synth(a) => ("synth", None, Some(&a.output)),
-            Self::Texture(a) => ("texture", Some(&a.input), Some(&a.output)),
-            Self::Transfer(a) => ("transfer", None, Some(&a.output)),
         };
-        let mut inputs: Vec<&Path> = input.into_iter().flat_map(reading::Input::files).collect();
-        if let Self::Compare(a) = self {
-            inputs.extend(a.other.as_deref());
-        }
-        if let Self::Texture(a) = self {
-            inputs.extend(a.others());
-        }
-        if let Self::Transfer(a) = self {
-            inputs.extend(a.files());
-        }
         Files {
             command,
-            inputs,
+            inputs: input.into_iter().flat_map(reading::Input::files).collect(),
             output: output.map(PathBuf::as_path),
         }
     }
@@ -198,7 +246,6 @@ type Result = std::result::Result<Reply, outcome::Failure>;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_definition_is_consistent() {
@@ -208,10 +255,10 @@ mod tests {
     #[test]
     fn bare_arguments_are_the_librarys_defaults() {
         let params = |line: &str| match Cli::try_parse_from(line.split(' ')).unwrap().command {
-            Command::Complete(arguments) => arguments.params(0),
+            Command::Scan(ScanCommand::Complete(arguments)) => arguments.params(0),
             _ => unreachable!(),
         };
-        let default = relievo::completion::CompleteParams::default();
+        let default = crate::completion::CompleteParams::default();
         assert_eq!(params("relievo complete in.ply -o out.ply"), default);
         let all = params(
             "relievo complete in.ply -o out.ply --base auto --holes interior --method coherent \
@@ -227,12 +274,12 @@ mod tests {
             "relievo complete in.ply -o out.ply --window 5 --rotations 4 --error-threshold 0.3 \
              --shape-weight 0.5 --spacing nyquist",
         );
-        let as_in_paper = relievo::completion::CompleteParams {
+        let as_in_paper = crate::completion::CompleteParams {
             window: Some(5),
             rotations: Some(4),
             error_threshold: Some(0.3),
             mu: Some(0.5),
-            spacing: Some(relievo::sampling::SpacingRule::Nyquist),
+            spacing: Some(crate::sampling::SpacingRule::Nyquist),
             ..default
         };
         assert_eq!(given, as_in_paper);
@@ -244,7 +291,7 @@ mod tests {
             Command::Evaluate(arguments) => arguments.params(0),
             _ => unreachable!(),
         };
-        let default = relievo::evaluation::EvaluationParams::default();
+        let default = crate::evaluation::EvaluationParams::default();
         assert_eq!(params("relievo evaluate in.ply"), default);
         let all = "relievo evaluate in.ply --hole 0.04 --repeat 3 --pieces 128 --fill completed";
         assert_eq!(params(all), default);
@@ -253,10 +300,10 @@ mod tests {
     #[test]
     fn bare_render_arguments_are_the_librarys_defaults() {
         let params = |line: &str| match Cli::try_parse_from(line.split(' ')).unwrap().command {
-            Command::Render(arguments) => arguments.params(0),
+            Command::Scan(ScanCommand::Render(arguments)) => arguments.params(0),
             _ => unreachable!(),
         };
-        let default = relievo::picture::RenderParams::default();
+        let default = crate::picture::RenderParams::default();
         assert_eq!(params("relievo render in.ply -o out.png"), default);
         let all = "relievo render in.ply -o out.png --view auto --up auto --zoom 1 --look-at all \
                    --projection perspective --size 1600x1200 --background white";
@@ -266,10 +313,10 @@ mod tests {
     #[test]
     fn bare_transfer_arguments_are_the_librarys_defaults() {
         let params = |line: &str| match Cli::try_parse_from(line.split(' ')).unwrap().command {
-            Command::Transfer(arguments) => arguments.params(0),
+            Command::Scan(ScanCommand::Transfer(arguments)) => arguments.params(0),
             _ => unreachable!(),
         };
-        let default = relievo::transfer::TransferParams::default();
+        let default = crate::transfer::TransferParams::default();
         let bare = "relievo transfer --source a.ply --target b.ply -o out.ply";
         assert_eq!(params(bare), default);
         let all = "--shape heat-kernel --up y --source-up 0,1,0 --shape-weight 0.2 --scale 1 --rounds 5 \
@@ -282,10 +329,10 @@ mod tests {
     #[test]
     fn bare_preparation_is_the_librarys_default() {
         let parsed = |line: &str| match Cli::try_parse_from(line.split(' ')).unwrap().command {
-            Command::Complete(arguments) => arguments.prepare.cloud_params(0),
+            Command::Scan(ScanCommand::Complete(arguments)) => arguments.prepare.cloud_params(0),
             _ => unreachable!(),
         };
-        let default = relievo::cloud::CloudParams::default();
+        let default = crate::cloud::CloudParams::default();
         assert_eq!(parsed("relievo complete in.xyz -o out.ply"), default);
         let all = "relievo complete in.xyz -o out.ply --join auto --gap 4";
         assert_eq!(parsed(all), default);
@@ -299,8 +346,8 @@ mod tests {
         let Command::Synth(arguments) = cli.command else {
             unreachable!();
         };
-        let expected = relievo::synth::SynthParams {
-            part: relievo::synth::Part::hole(0.1),
+        let expected = crate::synth::SynthParams {
+            part: crate::synth::Part::hole(0.1),
             ..Default::default()
         };
         assert_eq!(arguments.params(0), expected);

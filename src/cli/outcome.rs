@@ -2,10 +2,10 @@
 
 use std::ffi::OsString;
 use std::io::{ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use relievo::scan::{OutputFile, ScanError, same_file};
+use crate::scan::{OutputFile, ScanError, same_file};
 use serde_json::{Map, Value, json};
 
 /// A subcommand's result.
@@ -59,7 +59,12 @@ pub(super) struct Outcome {
 }
 
 impl Outcome {
-    pub(super) fn of(command: &str, input: Option<&Path>, reply: super::Result) -> Self {
+    pub(super) fn of(
+        command: &str,
+        input: Option<&Path>,
+        repeated: Option<Value>,
+        reply: super::Result,
+    ) -> Self {
         let mut json = Map::new();
         json.insert("command".into(), command.into());
         json.insert("version".into(), env!("CARGO_PKG_VERSION").into());
@@ -79,6 +84,7 @@ impl Outcome {
         if let Some(input) = input {
             json.insert("input".into(), json!(input.to_string_lossy()));
         }
+        json.extend(repeated.map(|pipeline| ("pipeline".into(), pipeline)));
         json.extend(rest);
         Self { json, text, code }
     }
@@ -106,7 +112,7 @@ impl Outcome {
 }
 
 /// The error and its causes, those left out that the text before them names already.
-fn in_one_sentence(error: &anyhow::Error) -> String {
+pub(super) fn in_one_sentence(error: &anyhow::Error) -> String {
     let mut text = String::new();
     for cause in error.chain() {
         let cause = cause.to_string();
@@ -124,14 +130,22 @@ fn in_one_sentence(error: &anyhow::Error) -> String {
 pub(super) struct Report(OutputFile);
 
 impl Report {
-    /// Opens the report if one is asked for; it may be neither an input nor the output.
+    /// Opens the report if one is asked for; it may be neither an input nor one of the outputs, which have the names of
+    /// their options.
     pub(super) fn open(
         path: Option<&Path>,
         inputs: &[&Path],
-        output: Option<&Path>,
+        outputs: &[(&str, Option<&Path>)],
     ) -> Result<Option<Self>, Failure> {
-        let opened = |path| opened("--json", path, inputs, &[("-o", output)]);
+        let opened = |path| opened("--json", path, inputs, outputs);
         Ok(path.map(opened).transpose()?.map(Self))
+    }
+
+    /// The same where nobody knows all inputs yet: a file that is there already is left alone, it may be one of them.
+    pub(super) fn open_new(path: Option<&Path>, inputs: &[&Path]) -> Option<Self> {
+        let path = path.filter(|path| *path == Path::new("-") || !path.exists());
+        // Of two mistakes the first one is told.
+        Self::open(path, inputs, &[]).ok().flatten()
     }
 
     fn is_stdout(&self) -> bool {
@@ -187,16 +201,21 @@ pub(super) fn written(mut output: OutputFile, bytes: &[u8]) -> Result<(), ScanEr
 }
 
 /// Whether two paths name one file, which need not exist.
-fn same_place(a: &Path, b: &Path) -> bool {
-    let resolved = |path: &Path| {
-        let folder = match path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        let file = path.file_name().unwrap_or_default().to_owned();
-        std::fs::canonicalize(path).or_else(|_| std::fs::canonicalize(folder).map(|f| f.join(file)))
+pub(super) fn same_place(a: &Path, b: &Path) -> bool {
+    a == b || same_file(a, b) || place(a) == place(b)
+}
+
+/// The path of a file, which need not exist, without links as far as that goes.
+pub(super) fn place(path: &Path) -> PathBuf {
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
     };
-    a == b || same_file(a, b) || matches!((resolved(a), resolved(b)), (Ok(a), Ok(b)) if a == b)
+    let file = path.file_name().unwrap_or_default().to_owned();
+    std::fs::canonicalize(path)
+        .or_else(|_| std::fs::canonicalize(folder).map(|folder| folder.join(file)))
+        .or_else(|_| std::path::absolute(path))
+        .unwrap_or_else(|_| path.to_owned())
 }
 
 /// Writes the JSON for a command line that could not be understood, if it asks for one. A file that
@@ -216,17 +235,13 @@ pub(super) fn report_usage_error(arguments: &[OsString], error: &clap::Error) {
         },
         None => return,
     };
-    if path != "-" && Path::new(&path).exists() {
-        return;
-    }
     let value = json!({
         "command": Value::Null,
         "version": env!("CARGO_PKG_VERSION"),
         "status": "failed",
         "error": error.to_string().trim(),
     });
-    let report = Report::open(Some(Path::new(&path)), &[], None);
-    if let Ok(Some(report)) = report
+    if let Some(report) = Report::open_new(Some(Path::new(&path)), &[])
         && let Err(error) = report.write(&value)
     {
         log::error!("{error:#}");

@@ -1,14 +1,16 @@
 //! How every subcommand reads its scan: formats that need options, repair, points to surface.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
+use crate::cloud::{self, CloudParams, CloudReport, JoinChoice, Joined, OutlierParams};
+use crate::repair::{self, RepairParams, RepairReport, Repaired};
+use crate::scan::{self, ColorMap, Format, Image, Intrinsics, ReadOptions, Scan};
 use anyhow::Context;
 use clap::Args;
-use relievo::cloud::{self, CloudParams, CloudReport, JoinChoice, Joined, OutlierParams};
-use relievo::repair::{self, RepairParams, RepairReport, Repaired};
-use relievo::scan::{self, ColorMap, Intrinsics, ReadOptions, Scan};
 use serde_json::{Map, Value, json};
 
+use super::held::{Content, Shelf};
 use super::messages::Bar;
 use super::outcome::Failure;
 use super::{Common, arguments};
@@ -18,10 +20,10 @@ use super::{Common, arguments};
 pub(super) struct Input {
     /// The scan: PLY, OBJ, STL, OFF, GLB, glTF, XYZ, PTS, TXT, CSV, PTX, PCD, E57, LAS, LAZ, or a depth image
     /// (PNG, TIFF); - for standard input
-    #[arg(value_name = "SCAN")]
+    #[arg(id = "scan", value_name = "SCAN")]
     pub(super) path: PathBuf,
     #[command(flatten)]
-    reading: Reading,
+    pub(super) reading: Reading,
 }
 
 /// What files do not tell of themselves.
@@ -48,6 +50,9 @@ pub(super) struct Reading {
     /// Depth images: a colour image of the same size
     #[arg(long, value_name = "FILE", help_heading = "Reading")]
     color_image: Option<PathBuf>,
+    /// What is in memory instead of in files.
+    #[arg(skip)]
+    pub(super) shelf: Shelf,
 }
 
 impl Reading {
@@ -64,6 +69,14 @@ impl Reading {
         self.color_image.as_deref()
     }
 
+    /// The files behind a path: itself, or those that what is in memory comes from.
+    pub(super) fn files<'a>(&'a self, path: &'a Path) -> impl Iterator<Item = &'a Path> {
+        let held = self.shelf.get(path);
+        let itself = held.is_none().then_some(path);
+        let behind = held.into_iter().flat_map(|held| &held.files);
+        itself.into_iter().chain(behind.map(PathBuf::as_path))
+    }
+
     /// A file that is read like this.
     pub(super) fn of(&self, path: &Path) -> Input {
         Input {
@@ -76,17 +89,40 @@ impl Reading {
 impl Input {
     /// The scan as it is in the file.
     pub(super) fn scan(&self) -> Result<Scan, Failure> {
-        Ok(scan::read(&self.path, &self.reading.options())?)
+        match self.reading.shelf.get(&self.path) {
+            Some(held) => held.scan(),
+            None => Ok(scan::read(&self.path, &self.reading.options())?),
+        }
+    }
+
+    /// The image that it is.
+    pub(super) fn image(&self) -> Result<Arc<Image>, Failure> {
+        match self.reading.shelf.get(&self.path) {
+            Some(held) => held.image(),
+            None => Ok(Arc::new(scan::read_image(&self.path)?)),
+        }
+    }
+
+    /// Whether it is an image; of a file its name tells.
+    pub(super) fn is_image(&self) -> bool {
+        match self.reading.shelf.get(&self.path) {
+            Some(held) => matches!(held.content, Content::Image(_)),
+            None if self.path == Path::new("-") => true,
+            None => !matches!(Format::of_path(&self.path), Ok(format) if format != Format::Depth),
+        }
     }
 
     /// The colors between its vertices, if the file has a texture image.
     pub(super) fn color_map(&self) -> Result<Option<ColorMap>, Failure> {
-        Ok(scan::read_color_map(&self.path, &self.reading.options())?)
+        match self.reading.shelf.get(&self.path) {
+            Some(held) => held.color_map(),
+            None => Ok(scan::read_color_map(&self.path, &self.reading.options())?),
+        }
     }
 
     /// All files that are read: the scan first.
     pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
-        std::iter::once(self.path.as_path()).chain(self.reading.color_image())
+        (self.reading.files(&self.path)).chain(self.reading.color_image())
     }
 
     /// Another file, read in the same way.
@@ -96,7 +132,9 @@ impl Input {
 
     /// The file's name in messages.
     pub(super) fn name(&self) -> String {
-        if self.path == Path::new("-") {
+        if let Some(held) = self.reading.shelf.get(&self.path) {
+            held.name.clone()
+        } else if self.path == Path::new("-") {
             "standard input".to_owned()
         } else {
             self.path.display().to_string()

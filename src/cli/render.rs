@@ -3,16 +3,17 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
-use clap::{Args, ValueEnum};
-use relievo::base::FitParams;
-use relievo::picture::{
+use crate::base::FitParams;
+use crate::picture::{
     self, Background, ChannelChoice, LookAt, PictureError, Projection, RenderParams, Up, View,
 };
-use relievo::scan::{OutputFile, Scan};
+use crate::scan::{OutputFile, Scan};
+use anyhow::Context;
+use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 
 use super::Common;
+use super::held::{Kept, Slot, is_kept};
 use super::outcome::{Failure, Reply};
 use super::reading::{Input, Preparation};
 
@@ -78,7 +79,9 @@ pub(super) struct Arguments {
     background: Background,
     /// Allow OUT to be the same file as the input
     #[arg(long)]
-    overwrite: bool,
+    pub(super) overwrite: bool,
+    #[arg(skip)]
+    pub(super) slot: Option<Slot>,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -146,9 +149,13 @@ fn work(
         ..error.into()
     })?;
     params.check().map_err(|error| failed(error, None))?;
-    check_extension(&arguments.output)?;
-    let protected = (!arguments.overwrite).then_some(arguments.input.path.as_path());
-    let output = OutputFile::create(&arguments.output, protected)?;
+    let output = if is_kept(&arguments.output) {
+        None
+    } else {
+        check_extension(&arguments.output)?;
+        let protected = (!arguments.overwrite).then_some(arguments.input.path.as_path());
+        Some(OutputFile::create(&arguments.output, protected)?)
+    };
     let surface = arguments.prepare.surface(&arguments.input, common, known)?;
     draw(&surface.scan, params, arguments, known, output)?;
     Ok(Reply {
@@ -162,7 +169,7 @@ fn draw(
     params: &RenderParams,
     arguments: &Arguments,
     known: &mut Map<String, Value>,
-    mut output: OutputFile,
+    output: Option<OutputFile>,
 ) -> Result<(), Failure> {
     let name = arguments.input.name();
     let picture =
@@ -173,17 +180,23 @@ fn draw(
     if picture.report.legend_left_out {
         log::warn!(
             "{}: a picture of {} by {} pixels has no room for a color bar; make it larger",
-            output.name(),
+            output.as_ref().map_or(name.as_str(), OutputFile::name),
             params.width,
             params.height
         );
     }
-    let mut bytes = Vec::new();
-    picture::write_png(&picture.raster, &mut bytes).with_context(|| output.name().to_owned())?;
-    output
-        .write_all(&bytes)
-        .map_err(|error| output.error(error))?;
-    output.commit()?;
+    if let Some(mut output) = output {
+        let mut bytes = Vec::new();
+        picture::write_png(&picture.raster, &mut bytes)
+            .with_context(|| output.name().to_owned())?;
+        output
+            .write_all(&bytes)
+            .map_err(|error| output.error(error))?;
+        output.commit()?;
+    }
+    if let Some(slot) = &arguments.slot {
+        slot.put(Kept::Picture(Box::new(picture.raster)));
+    }
     Ok(())
 }
 

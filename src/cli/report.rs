@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::report::{Page, ReportError, check_built};
+use crate::scan::OutputFile;
 use clap::Args;
-use relievo::report::{Page, ReportError, check_built};
-use relievo::scan::OutputFile;
 
 use super::Common;
 use super::outcome::{Failure, opened};

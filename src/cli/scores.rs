@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use relievo::likeness::{Judgement, MeasureSummary, Summary, worst_figures};
+use crate::likeness::{Judgement, MeasureSummary, Summary, worst_figures};
 
 /// Figures named of each measure that is outside.
 const NAMED: usize = 4;

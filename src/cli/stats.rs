@@ -3,11 +3,11 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use crate::report::View;
+use crate::scan::OutputFile;
+use crate::stats::{Measured, figures};
 use anyhow::Context;
 use clap::Args;
-use relievo::report::View;
-use relievo::scan::OutputFile;
-use relievo::stats::{Measured, figures};
 use serde_json::{Map, json};
 
 use super::comparison::{Measuring, csv_of, deliver_csv, of_completed, titled, unit};

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
+use crate::scan::{self, OutputFile, WriteOptions};
+use crate::synth::{self, Kind, Part, SynthParams};
 use clap::Args;
 use nalgebra::Vector3;
-use relievo::scan::{self, OutputFile, WriteOptions};
-use relievo::synth::{self, Kind, Part, SynthParams};
 use serde_json::json;
 
 use super::outcome::{Failure, Reply};

@@ -5,18 +5,19 @@ mod output;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use clap::{ArgGroup, Args, ValueEnum};
-use nalgebra::Vector3;
-use relievo::base::FitParams;
-use relievo::report::{self, TexturedPage};
-use relievo::scan::{self, Format};
-use relievo::texture::{
+use crate::base::FitParams;
+use crate::report::{self, TexturedPage};
+use crate::scan;
+use crate::texture::{
     self, DIRECTION, Density, Method, Orientation, Sample, Search, TextureError, TextureParams,
     Textured,
 };
+use clap::{ArgGroup, Args, ValueEnum};
+use nalgebra::Vector3;
 use serde_json::{Map, Value, json};
 
-use super::mesh_output::MeshOutput;
+use super::held::Writing;
+use super::mesh_output::{MeshOutput, output_format};
 use super::messages::Bar;
 use super::outcome::{Failure, Reply};
 use super::reading::{Input, Preparation};
@@ -83,12 +84,8 @@ pub(super) struct Arguments {
     displace: Option<f64>,
     #[command(flatten)]
     page: PageOption,
-    /// Write PLY as text
-    #[arg(long)]
-    ascii: bool,
-    /// Allow OUT to be the same file as the input
-    #[arg(long)]
-    overwrite: bool,
+    #[command(flatten)]
+    pub(super) writing: Writing,
 }
 
 /// Where to take directions from.
@@ -162,7 +159,7 @@ impl Arguments {
             Pointed::File(path) => Some(path.as_path()),
             Pointed::Known(_) => None,
         };
-        std::iter::once(self.exemplar.as_path()).chain(directions)
+        (self.input.reading.files(&self.exemplar)).chain(directions)
     }
 
     /// The file that an error is about.
@@ -181,7 +178,7 @@ pub(super) fn run(arguments: &Arguments, common: &Common) -> super::Result {
     known.insert("output".into(), json!(arguments.output.to_string_lossy()));
     known.insert(
         "exemplar".into(),
-        json!(arguments.exemplar.to_string_lossy()),
+        json!(arguments.input.with_path(&arguments.exemplar).name()),
     );
     work(arguments, common, &mut known).map_err(|failure| Failure {
         json: known,
@@ -195,7 +192,7 @@ fn work(arguments: &Arguments, common: &Common, known: &mut Map<String, Value>) 
     if let Some(scale) = arguments.displace.filter(|scale| !scale.is_finite()) {
         return Err(failed(TextureError::Displace(scale), None));
     }
-    let format = arguments::output_format(&arguments.output)?;
+    let format = output_format(&arguments.output)?;
     if let Pointed::File(path) = &arguments.orientation {
         params.orientation = directions(path)?;
         params
@@ -310,12 +307,9 @@ fn sample(
     common: &Common,
     known: &mut Map<String, Value>,
 ) -> Result<(Sample, Vec<String>), Failure> {
-    let path = &arguments.exemplar;
-    if path != Path::new("-")
-        && matches!(Format::of_path(path), Ok(format) if format != Format::Depth)
-    {
+    let input = arguments.input.with_path(&arguments.exemplar);
+    if !input.is_image() {
         let mut about = Map::new();
-        let input = arguments.input.with_path(path);
         let (surface, told) = arguments.prepare.told_surface(&input, common, &mut about)?;
         known.insert("exemplar_prepared".into(), Value::Object(about));
         let fit = FitParams {
@@ -333,7 +327,7 @@ fn sample(
             Err(error) => Err(failed(error, Some(input.name()))),
         };
     }
-    let image = scan::read_image(path)?;
+    let image = input.image()?;
     Ok((Sample::of_image(&image), Vec::new()))
 }
 

@@ -8,16 +8,16 @@ mod source;
 use std::fmt::Write;
 use std::path::Path;
 
-use relievo::report::{self, TransferredPage};
-use relievo::scan::same_file;
-use relievo::stats::ColorComparison;
-use relievo::transfer::{self, TransferError, TransferParams, Transferred};
+use crate::report::{self, TransferredPage};
+use crate::scan::same_file;
+use crate::stats::ColorComparison;
+use crate::transfer::{self, TransferError, TransferParams, Transferred};
 use serde_json::{Map, Value, json};
 
-use super::mesh_output::MeshOutput;
+use super::mesh_output::{MeshOutput, output_format};
 use super::messages::Bar;
 use super::outcome::{Failure, Reply};
-use super::{Common, arguments, histograms};
+use super::{Common, histograms};
 use given::Painted;
 pub(super) use options::Arguments;
 use output::Onto;
@@ -26,7 +26,7 @@ use source::FromSource;
 pub(super) fn run(arguments: &Arguments, common: &Common) -> super::Result {
     let mut known = Map::new();
     known.insert("output".into(), json!(arguments.output.to_string_lossy()));
-    known.insert("source".into(), json!(arguments.source.to_string_lossy()));
+    known.insert("source".into(), json!(arguments.source_input().name()));
     work(arguments, common, &mut known).map_err(|failure| Failure {
         json: known,
         ..failure
@@ -37,7 +37,7 @@ fn work(arguments: &Arguments, common: &Common, known: &mut Map<String, Value>) 
     let mut params = arguments.params(common.seed);
     arguments.check()?;
     params.check().map_err(|error| failed(error, arguments))?;
-    let format = arguments::output_format(&arguments.output)?;
+    let format = output_format(&arguments.output)?;
     let to = arguments.destination(format);
     let target = arguments.target_input();
     let inputs: Vec<&Path> = arguments.files().collect();

@@ -29,6 +29,24 @@ pub(super) fn json<T: Serialize>(value: &T) -> io::Result<String> {
     Ok(text.replace('<', "\\u003c").replace('>', "\\u003e"))
 }
 
+/// Writes a page's frame, with what `part` writes in place of each marker, as in `{{title}}`.
+pub(super) fn filled<W: io::Write>(
+    skeleton: &str,
+    out: &mut W,
+    mut part: impl FnMut(&str, &mut W) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut rest = skeleton;
+    while let Some((before, behind)) = rest.split_once("{{") {
+        out.write_all(before.as_bytes())?;
+        let Some((marker, behind)) = behind.split_once("}}") else {
+            break;
+        };
+        part(marker, out)?;
+        rest = behind;
+    }
+    out.write_all(rest.as_bytes())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

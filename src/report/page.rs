@@ -4,13 +4,13 @@ use std::io::Write;
 
 use serde::Serialize;
 
-use super::markup::{escaped, json};
+use super::markup::{escaped, filled, json};
 use super::view::Shown;
 use super::{Plot, ReportError, Table, View, library};
 
 /// The frame of every page: markers stand where a page's own parts go.
 const SKELETON: &str = include_str!("page.html");
-const STYLE: &str = include_str!("page.css");
+pub(super) const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 const VIEW_SCRIPT: &str = include_str!("view.js");
 
@@ -61,26 +61,20 @@ impl Page {
     /// [`ReportError`] if this build has no plotly.js, or `out` cannot be written to.
     pub fn write(&self, out: &mut impl Write) -> Result<(), ReportError> {
         let library = library::plotly_js()?;
-        let mut rest = SKELETON;
-        while let Some((before, behind)) = rest.split_once("{{") {
-            out.write_all(before.as_bytes())?;
-            let Some((marker, behind)) = behind.split_once("}}") else {
-                break;
-            };
-            match marker {
-                "title" => write!(out, "{}", escaped(&self.title))?,
-                "lead" => write!(out, "{}", escaped(&self.lead))?,
-                "version" => out.write_all(env!("CARGO_PKG_VERSION").as_bytes())?,
-                "style" => out.write_all(STYLE.as_bytes())?,
-                "sections" => self.write_sections(out)?,
-                "data" => out.write_all(json(&self.drawn())?.as_bytes())?,
-                "plotly" => out.write_all(library.as_bytes())?,
-                "script" => out.write_all([SCRIPT, VIEW_SCRIPT].concat().as_bytes())?,
-                _ => debug_assert!(false, "no such part: {marker}"),
+        filled(SKELETON, out, |marker, out| match marker {
+            "title" => write!(out, "{}", escaped(&self.title)),
+            "lead" => write!(out, "{}", escaped(&self.lead)),
+            "version" => out.write_all(env!("CARGO_PKG_VERSION").as_bytes()),
+            "style" => out.write_all(STYLE.as_bytes()),
+            "sections" => self.write_sections(out),
+            "data" => out.write_all(json(&self.drawn())?.as_bytes()),
+            "plotly" => out.write_all(library.as_bytes()),
+            "script" => out.write_all([SCRIPT, VIEW_SCRIPT].concat().as_bytes()),
+            _ => {
+                debug_assert!(false, "no such part: {marker}");
+                Ok(())
             }
-            rest = behind;
-        }
-        out.write_all(rest.as_bytes())?;
+        })?;
         Ok(())
     }
 

@@ -5,6 +5,7 @@ pub(crate) mod place;
 #[cfg(feature = "image")]
 pub(crate) mod samples;
 
+use std::f64::consts::TAU;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -30,6 +31,31 @@ pub(crate) fn synthetic(kind: Kind, part: Part) -> Scan {
 /// A golf ball, wall, … with one small hole.
 pub(crate) fn holed(kind: Kind) -> Scan {
     synthetic(kind, Part::hole(0.03))
+}
+
+/// Radii of the torus: of its middle line, and of the tube without its bumps.
+pub(crate) const MAJOR: f64 = 30.0;
+pub(crate) const MINOR: f64 = 12.0;
+
+/// A torus with bumps: no kind of base fits it.
+pub(crate) fn torus() -> TriMesh {
+    let (around, along) = (110u32, 44u32);
+    let mut mesh = TriMesh::default();
+    for i in 0..along {
+        for j in 0..around {
+            let angle = TAU * f64::from(j) / f64::from(around);
+            let minor = TAU * f64::from(i) / f64::from(along);
+            let bump = 0.25 * (22.0 * angle).sin() * (9.0 * minor).cos();
+            let radius = MAJOR + (MINOR + bump) * minor.cos();
+            let z = (MINOR + bump) * minor.sin();
+            mesh.positions
+                .push(Point3::new(radius * angle.cos(), radius * angle.sin(), z));
+            let v = |i, j| i % along * around + j % around;
+            let [a, b, c, d] = [v(i, j), v(i, j + 1), v(i + 1, j), v(i + 1, j + 1)];
+            mesh.triangles.extend([[a, b, d], [a, d, c]]);
+        }
+    }
+    mesh
 }
 
 /// A scan of `double` coordinates and triangles.

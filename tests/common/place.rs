@@ -63,6 +63,7 @@ impl Place {
         let mut child = Command::new(env!("CARGO_BIN_EXE_relievo"))
             .args(line.split_whitespace())
             .current_dir(self.0.path())
+            .env_remove("CLICOLOR_FORCE")
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())

@@ -1,9 +1,9 @@
 //! What `relievo texture` writes: the new mesh, or the texture on the old one.
 
+use crate::repair::Repaired;
+use crate::scan::{Format, Image, Scan};
+use crate::texture::Textured;
 use anyhow::Context;
-use relievo::repair::Repaired;
-use relievo::scan::{Format, Image, Scan};
-use relievo::texture::Textured;
 use serde_json::{Map, Value};
 
 use super::super::mesh_output::{Destination, MeshOutput, restored, warn_of_loss};
@@ -11,16 +11,15 @@ use super::super::outcome::Failure;
 use super::Arguments;
 
 impl Arguments {
-    pub(super) fn destination(&self, format: Format) -> Destination<'_> {
+    pub(super) fn destination(&self, format: Option<Format>) -> Destination<'_> {
         Destination {
             path: &self.output,
             format,
             own: self.input.files().collect(),
-            overwrite: self.overwrite,
+            writing: &self.writing,
             others: self.others().collect(),
             with_image: self.keep_mesh,
             image_size: self.image_size,
-            ascii: self.ascii,
         }
     }
 
@@ -33,7 +32,8 @@ impl Arguments {
         known: &mut Map<String, Value>,
     ) -> Result<(), Failure> {
         if !self.keep_mesh {
-            return output.write(&textured.scan(scale), None, &to.options());
+            output.write(textured.scan(scale), None, &to.options())?;
+            return Ok(());
         }
         let scan = restored(surface);
         let mut image = None;
@@ -45,7 +45,8 @@ impl Arguments {
             warn_of_loss(&self.input.name(), surface.scan.vertices.rows, texels);
         }
         let scan = textured.lookup().on_scan(&scan, scale);
-        output.write(&scan, image.as_ref(), &to.options())
+        output.write(scan, image.as_ref(), &to.options())?;
+        Ok(())
     }
 }
 

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
+use crate::completion::Paint;
+use crate::mesh::TriMesh;
+use crate::repair::Repaired;
+use crate::scan::{self, Format, ReadOptions, trace};
+use crate::transfer::{Correspondences, Shape, TransferError};
 use anyhow::{Context, anyhow};
-use relievo::completion::Paint;
-use relievo::mesh::TriMesh;
-use relievo::repair::Repaired;
-use relievo::scan::{self, Format, ReadOptions};
-use relievo::transfer::{Correspondences, Shape, TransferError};
 use serde_json::Value;
 
 use super::super::outcome::Failure;
@@ -91,7 +91,9 @@ pub(super) fn map(
 }
 
 fn text(path: &Path) -> Result<String, Failure> {
-    let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+    let read = std::fs::read(path);
+    trace::has_read(path, read.as_deref().ok());
+    let bytes = read.with_context(|| path.display().to_string())?;
     Ok(String::from_utf8(bytes).map_err(|_| anyhow!("{}: this is no text", path.display()))?)
 }
 

@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::completion::Paint;
+use crate::scan::Format;
+use crate::transfer::{Last, Rotations, Shape, TransferParams};
 use clap::{Args, ValueEnum};
 use nalgebra::Vector3;
-use relievo::completion::Paint;
-use relievo::scan::Format;
-use relievo::transfer::{Last, Rotations, Shape, TransferParams};
 
 use super::super::arguments;
+use super::super::held::Writing;
 use super::super::mesh_output::Destination;
 use super::super::outcome::Failure;
 use super::super::reading::{Input, Preparation, Reading};
@@ -40,7 +41,7 @@ pub(in super::super) struct Arguments {
     #[arg(short, long, value_name = "OUT")]
     pub(in super::super) output: PathBuf,
     #[command(flatten)]
-    reading: Reading,
+    pub(in super::super) reading: Reading,
     #[command(flatten)]
     pub(super) prepare: Preparation,
     /// What is copied
@@ -149,12 +150,8 @@ pub(in super::super) struct Arguments {
     image_size: Option<u32>,
     #[command(flatten)]
     pub(super) page: PageOption,
-    /// Write PLY as text
-    #[arg(long)]
-    ascii: bool,
-    /// Allow OUT to be the same file as the target
-    #[arg(long)]
-    overwrite: bool,
+    #[command(flatten)]
+    pub(in super::super) writing: Writing,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -321,23 +318,22 @@ impl Arguments {
 
     /// All files that are read, the target first.
     pub(in super::super) fn files(&self) -> impl Iterator<Item = &Path> {
-        [self.target_path(), self.source.as_path()]
-            .into_iter()
+        (self.reading.files(self.target_path()))
+            .chain(self.reading.files(&self.source))
             .chain(self.beside())
     }
 
-    pub(super) fn destination(&self, format: Format) -> Destination<'_> {
+    pub(super) fn destination(&self, format: Option<Format>) -> Destination<'_> {
         let target = self.target_path();
         let source = (!is_same(&self.source, target)).then_some(self.source.as_path());
         Destination {
             path: &self.output,
             format,
             own: vec![target],
-            overwrite: self.overwrite,
+            writing: &self.writing,
             others: source.into_iter().chain(self.beside()).collect(),
             with_image: self.has_colors(),
             image_size: self.image_size,
-            ascii: self.ascii,
         }
     }
 }

@@ -1,12 +1,12 @@
 //! What `relievo transfer` writes: the target with what was copied.
 
+use crate::mesh::{Bisected, SurfaceLookup, TriMesh, seam_normals, surface_area};
+use crate::relief;
+use crate::repair::Repaired;
+use crate::scan::{Column, Image, Scan};
+use crate::transfer::Transferred;
 use anyhow::Context;
 use nalgebra::Point3;
-use relievo::mesh::{Bisected, SurfaceLookup, TriMesh, bisected, seam_normals, surface_area};
-use relievo::relief;
-use relievo::repair::Repaired;
-use relievo::scan::{Column, Image, Scan};
-use relievo::transfer::Transferred;
 use serde_json::{Map, Value, json};
 
 use super::super::mesh_output::{Destination, MeshOutput, restored, warn_of_loss};
@@ -24,11 +24,11 @@ pub(super) struct Onto<'a> {
 }
 
 /// A scan of as many vertices as are written, and the mesh that they are on.
-struct Shown {
+struct Shown<'a> {
     scan: Scan,
     mesh: TriMesh,
     /// How vertices were put on the edges of the mesh that was worked on; `None` if they were not, or are not shown.
-    finer: Option<Bisected>,
+    finer: Option<&'a Bisected>,
 }
 
 impl<'a> Onto<'a> {
@@ -84,16 +84,16 @@ impl<'a> Onto<'a> {
             "mesh".into(),
             json!({ "vertices": shown.scan.vertices.rows, "made_finer": is_finer }),
         );
-        output.write(&shown.scan, image.as_ref(), &to.options())?;
-        if shown.scan.vertices.rows == all {
-            Ok(shown.scan.positions())
+        let scan = output.write(shown.scan, image.as_ref(), &to.options())?;
+        if scan.vertices.rows == all {
+            Ok(scan.positions())
         } else {
             Ok(done.finer.mesh.positions.clone())
         }
     }
 
     /// The target with all vertices that were put on its edges.
-    fn finer(&self, source: &FromSource, done: &Transferred) -> Shown {
+    fn finer<'d>(&self, source: &FromSource, done: &'d Transferred) -> Shown<'d> {
         let mut scan = self.surface.scan.clone();
         let mut uv = restored(self.surface).texture_coordinates();
         if (uv.as_ref()).is_some_and(|uv| uv.len() != scan.mesh().triangles.len()) {
@@ -107,16 +107,10 @@ impl<'a> Onto<'a> {
             scan = scan.refined(first, uv.as_deref());
             uv = uv.and_then(|_| scan.texture_coordinates());
         }
-        // As the library has done it.
-        let finer = bisected(&self.mesh, done.finer.mesh.positions.len());
-        debug_assert_eq!(
-            finer.mesh.triangles, done.finer.mesh.triangles,
-            "the same vertices"
-        );
         Shown {
-            scan: scan.refined(&finer, uv.as_deref()),
+            scan: scan.refined(&done.finer, uv.as_deref()),
             mesh: done.finer.mesh.clone(),
-            finer: Some(finer),
+            finer: Some(&done.finer),
         }
     }
 
@@ -129,7 +123,7 @@ impl<'a> Onto<'a> {
         painted: Option<&Painted>,
     ) {
         let rows = shown.scan.vertices.rows;
-        let painted = painted.map(|painted| match &shown.finer {
+        let painted = painted.map(|painted| match shown.finer {
             Some(finer) => between(finer, &painted.fine),
             None => painted.own.clone(),
         });
@@ -170,7 +164,7 @@ impl<'a> Onto<'a> {
             return relief::put_on(&mut shown.scan, &normals, heights, scale);
         };
         let own: Vec<[f64; 1]> = own.iter().map(|h| [*h]).collect();
-        let own = match &shown.finer {
+        let own = match shown.finer {
             Some(finer) => finer.interpolate(&own),
             None => own,
         };

@@ -1,12 +1,12 @@
 //! What is on the source.
 
+use crate::mesh::{Bisected, TriMesh, bisected, vertex_normals};
+use crate::relief;
+use crate::repair::Repaired;
+use crate::scan::{ColorMap, Scan};
+use crate::transfer::MOST_VERTICES;
 use anyhow::{Context, anyhow};
 use rayon::prelude::*;
-use relievo::mesh::{Bisected, TriMesh, bisected, vertex_normals};
-use relievo::relief;
-use relievo::repair::Repaired;
-use relievo::scan::{ColorMap, Scan};
-use relievo::transfer::MOST_VERTICES;
 use serde_json::{Map, Value, json};
 
 use super::super::Common;
