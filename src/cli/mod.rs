@@ -3,6 +3,7 @@
 //! stdout carries results only; messages, bars and errors go to stderr.
 
 mod arguments;
+mod batch;
 mod call;
 mod compare;
 mod comparison;
@@ -49,6 +50,7 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 #[cfg(feature = "python")]
 pub(crate) use arguments::format_to_write;
+pub use batch::{SharedBatch, called_again_by, work_for_batch};
 pub use call::{Call, CallError, CallErrorKind, Called};
 pub use complete::{TiledCall, grow_tile};
 pub use held::{Content, Held};
@@ -121,6 +123,11 @@ struct Common {
 enum Command {
     #[command(flatten)]
     Scan(ScanCommand),
+    /// Do the same to many scans: complete them, or run a pipeline for each, several at a time
+    Batch(batch::Arguments),
+    /// What a batch calls for each scan.
+    #[command(hide = true)]
+    BatchJob,
     /// Print a script that completes relievo's commands and options in a shell
     Completions(completions::Arguments),
     /// Write a scan in another format
@@ -151,6 +158,9 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         ..cli.common
     };
     interrupt::install();
+    if matches!(cli.command, Command::BatchJob) {
+        return batch::child();
+    }
     messages::install(&common);
     common.start_threads();
     let Files {
@@ -182,7 +192,8 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     };
     let reply = match &cli.command {
         Command::Scan(command) => command.run(&common),
-        Command::Run(_) => plan.run(&common),
+        Command::Batch(_) | Command::Run(_) => plan.run(&common),
+        Command::BatchJob => return batch::child(),
         Command::Completions(arguments) => completions::run(arguments, Cli::command()),
         Command::Convert(arguments) => convert::run(arguments, &common),
         Command::Evaluate(arguments) => evaluate::run(arguments, &common),
@@ -224,6 +235,8 @@ impl Command {
     fn files(&self) -> Files<'_> {
         let (command, input, output) = match self {
             Self::Scan(command) => return command.files(),
+            Self::Batch(_) => ("batch", None, None),
+            Self::BatchJob => (batch::CHILD, None, None),
             Self::Completions(_) => ("completions", None, None),
             Self::Convert(a) => ("convert", Some(&a.input), Some(&a.output)),
             Self::Evaluate(a) => ("evaluate", Some(&a.input), None),

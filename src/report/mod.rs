@@ -6,8 +6,9 @@
 //! so that it works from `file://` and in ten years. The same page is written in the same bytes.
 //!
 //! A build without the feature `report` has all of this but plotly.js, and so cannot write pages:
-//! [`check_built`] tells.
+//! [`check_built`] tells. The page of many scans, [`BatchPage`], has neither plots nor scripts, and any build writes it.
 
+mod batch;
 mod completed;
 mod compared;
 mod error;
@@ -26,6 +27,7 @@ mod transferred;
 mod view;
 mod words;
 
+pub use batch::{BatchPage, BatchScan, Picture};
 pub use compared::{Compared, Measurement, compared};
 pub use completed::{Completed, completed};
 pub use error::ReportError;
