@@ -27,6 +27,7 @@
 //! | [`report`] | results → a page to look at: tables, plots, the scan in three dimensions | |
 //! | [`synth`] | parameters → synthetic scans with known truth | Fig. 8–12 |
 //! | [`cli`] | arguments → parameters → one call of a room above | |
+//! | `python` | Python's values → one call of [`cli`] or [`scan`] → Python's values; with the feature `python` | |
 //!
 //! Units: lengths are absolute, in the scan's own (unknown) unit, `f64`; angles are radians;
 //! colours are intensities from 0 to 1.
@@ -53,3 +54,5 @@ pub mod picture;
 pub mod report;
 pub mod synth;
 pub mod cli;
+#[cfg(feature = "python")]
+mod python;
