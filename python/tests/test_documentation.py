@@ -5,6 +5,7 @@ from __future__ import annotations
 import doctest
 import importlib
 import inspect
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -62,9 +63,14 @@ def test_the_readme_shows_what_works(tmp_path: Path, monkeypatch: pytest.MonkeyP
     programs = [part.split("```")[0] for part in text.split("```python\n")[1:]]
     assert programs
     (tmp_path / "data").symlink_to(ROOT / "data")
+    (tmp_path / "scans" / "walls").mkdir(parents=True)
+    for name in ("scans/walls/wall.ply", "large.ply"):
+        shutil.copy(ROOT / "data/scans/bricks-hole.ply", tmp_path / name)
     monkeypatch.chdir(tmp_path)
     for program in programs:
-        exec(compile(program, "README.md", "exec"), {})
+        exec(compile(program, "README.md", "exec"), {"__name__": "__main__"})
+    for name in ("bricks.ply", "filled/walls/wall.ply", "large-filled.ply"):
+        assert relievo.read(name).n_vertices > relievo.read("large.ply").n_vertices, name
 
 
 def test_the_example_makes_its_figure(tmp_path: Path) -> None:

@@ -39,7 +39,9 @@ def middling(command: Command, tmp_path_factory: pytest.TempPathFactory) -> Path
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are sent differently there")
 def test_an_interrupt_raises_at_once_and_leaves_nothing(large: Path, tmp_path: Path) -> None:
     code = f"""
-import sys, time, relievo
+import signal, sys, relievo
+# What a script starts in the background ignores it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 scan = relievo.read({str(large)!r})
 print("begun", flush=True)
 try:
@@ -69,11 +71,16 @@ def test_after_an_interrupt_the_work_soon_ends_and_the_next_call_works(large: Pa
         time.sleep(1.0)
         signal.raise_signal(signal.SIGINT)
 
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     timer = threading.Thread(target=interrupt)
-    timer.start()
     with pytest.raises(KeyboardInterrupt):
-        relievo.complete(large, method="exhaustive")
-    timer.join()
+        timer.start()
+        try:
+            relievo.complete(large, method="exhaustive")
+        finally:
+            # It comes here at the latest, and not when the test is over.
+            timer.join()
+    signal.signal(signal.SIGINT, before)
     assert relievo.complete(golf_ball).report["status"] == "done"
 
 
@@ -143,8 +150,9 @@ def test_python_runs_on_while_relievo_works(middling: Path) -> None:
     assert count > 10 * seconds
 
 
-def test_two_threads_complete_at_the_same_time_on_both_cores(middling: Path) -> None:
-    if len(os.sched_getaffinity(0)) < 2:
+def test_two_threads_complete_at_the_same_time(middling: Path) -> None:
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if cores < 2:
         pytest.skip("there is one core only")
     scan = relievo.read(middling)
     done: list[tuple[float, float, relievo.Completed]] = []
@@ -154,19 +162,13 @@ def test_two_threads_complete_at_the_same_time_on_both_cores(middling: Path) -> 
         completed = relievo.complete(scan, threads=1)
         done.append((began, time.monotonic(), completed))
 
-    wall, cpu = time.monotonic(), time.process_time()
     threads = [threading.Thread(target=one) for _ in range(2)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    wall, cpu = time.monotonic() - wall, time.process_time() - cpu
-    print(f"{cpu:.2f} s of processor in {wall:.2f} s")
     (began, ended, first), (began_too, ended_too, second) = done
     # With the interpreter's lock held the second would begin after the first has ended.
     overlap = min(ended, ended_too) - max(began, began_too)
     assert overlap > 0.5 * min(ended - began, ended_too - began_too)
-    # On a machine with much else to do nobody gets two cores.
-    if os.getloadavg()[0] < 1:
-        assert cpu > 1.4 * wall
     assert np.array_equal(first.scan.vertices, second.scan.vertices)
